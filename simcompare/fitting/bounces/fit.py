@@ -49,23 +49,27 @@ def fit(
         bounce_models.model_of(model), unknowns=unknowns, fixed=fixed, priors=priors,
     )  # fmt: skip
     first = initial_guess.of(whole)
-    s2, dof = _scatter(whole, first)
+    s2, dof, near = _scatter(whole, first)
     scaled = whole.widened(math.sqrt(s2))
-    best = _settled(scaled, minimum(scaled, first))
+    best = _settled(scaled, minimum(scaled, near))
     found = summary(whole, scaled, best, s2, dof)
     pulls = {name: _pull(found, name) for name in scaled.priors}
     profiled = profile.intervals(found, scaled) if profiles else {}
     return _with_profiles(replace(found, pulls=pulls), profiled)
 
 
-def _scatter(problem: Problem, start: Array) -> tuple[float, int]:
-    """s² and its degrees of freedom, without stated priors where there are enough data."""
+def _scatter(problem: Problem, start: Array) -> tuple[float, int, Array]:
+    """s² and its degrees of freedom, without stated priors where there are enough data.
+
+    And the internal numbers that it was taken at, from which the best ones are not far.
+    """
     judged = problem.firm if problem.firm.freedom > 0 else problem
     dof = judged.freedom
     if dof == 0:
-        return 1.0, 0
-    ratio = float(minimum(judged, start).chi2[0]) / dof
-    return (max(1.0, ratio) if problem.u_known else max(ratio, 1e-12)), dof
+        return 1.0, 0, start
+    found = minimum(judged, start)
+    ratio = float(found.chi2[0]) / dof
+    return (max(1.0, ratio) if problem.u_known else max(ratio, 1e-12)), dof, found.x[0]
 
 
 def _settled(problem: Problem, best: least_squares.Solution) -> least_squares.Solution:
