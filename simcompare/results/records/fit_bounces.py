@@ -140,7 +140,7 @@ class BouncesFit(AnyKind):
     law: Law
     ratios: tuple[Ratios, ...]
     profiles: tuple[ProfileRow, ...]
-    one_number: OneRestitution | None
+    one_number: OneRestitution | None = None
     tuned_to: Target | None
     tuned_mean: float | None
     sources: tuple[BouncesEngine, ...]

@@ -59,7 +59,7 @@ class EffectiveValue:
 
     value: float
     u: float
-    u_engine: float
+    u_engine: Annotated[float, Field(alias="u_phase")]
     unit: str
 
 
