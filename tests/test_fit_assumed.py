@@ -224,7 +224,7 @@ def test_a_clock_can_be_sought_where_its_quartz_is_known(told):
 
 
 def test_a_length_scale_still_cannot_be_heard(told):
-    with pytest.raises(InputError, match="a length scale looks like"):
+    with pytest.raises(InputError, match="tell nothing of scale; leave it out, fix it"):
         simcompare.fit("ball", recordings=[told[0]], engine="pymunk", unknowns="scale")
 
 

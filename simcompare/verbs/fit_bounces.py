@@ -11,13 +11,11 @@ from simcompare.comparison.repeats import sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known
-from simcompare.errors import InputError
 from simcompare.fitting.bounces import assumed, holdout, model_selection, plot_data, records
 from simcompare.fitting.bounces.assisted_fit import fit_engines
 from simcompare.fitting.bounces.averaging import averaged
 from simcompare.fitting.bounces.bounce_models import GRAVITY as STANDARD
 from simcompare.fitting.bounces.engine_fit import EngineFit
-from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import HEIGHT, Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.one_number import OneNumber, nearest
@@ -36,7 +34,7 @@ from simcompare.fitting.bounces.unknowns import GRAVITY
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
 from simcompare.model.trajectory import TRUTH, Trajectory
-from simcompare.reports.fit import answer, identifiability_words
+from simcompare.reports.fit import answer
 from simcompare.reports.render.decimation import decimated
 from simcompare.results import run_record
 from simcompare.results.fit_file import FITTED
@@ -102,11 +100,6 @@ def fit_bounces(
         fixed=constraints.fixed,
         priors=constraints.priors,
     )
-    known = identifiability(choice.best)
-    if constraints.extra and known.is_blind:
-        filmed = any(drop.track for drop in drops)
-        words = identifiability_words.of_bounces(known, constraints.priors, filmed=filmed)
-        raise InputError("--unknown", [*words, "leave it out, or --fix what it mixes with"])
     how = _How(engines.select(request.engine), helps, step_s, time_limit_s, progress)
     plain, found, predicted, wanted = _engines(roles, choice, held, constraints, how)
     start = plain.fit

@@ -150,9 +150,13 @@ def _told_apart(found: Fit) -> Fit:
     jacobian = least_squares.jacobian_of(problem.residuals, found.x[None, :], problem.size)[0]
     known = identifiability(found.names, jacobian)
     if known.is_blind:
-        mixed = known.directions[-1].moves or found.names
+        first, *others = known.directions[-1].moves or found.names
+        if not others:
+            raise InputError("fit", [f"the measured numbers tell nothing of {first}; leave it out,"
+                                     " fix it or give a prior"])  # fmt: skip
+        mixed = " and ".join((first, *others))
         raise InputError("fit", [
-            f"the measured numbers and priors do not tell {' and '.join(mixed)} apart; record more"
+            f"the measured numbers and priors do not tell {mixed} apart; record more"
             " bounces, fix one or give a prior"
         ])  # fmt: skip
     return found
