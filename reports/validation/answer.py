@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from simcompare.model.recording import REPAIR, WARNING, Provenance
+from simcompare.reports import suspicions
 from simcompare.reports.validation import (
     answer_basis,
     answer_gap,
@@ -99,7 +100,10 @@ def contradictions(provenance: Provenance) -> Iterator[str]:
 
 def _log(validation: Validation) -> Iterator[str]:
     """Defects of the log that a reader of the answer must know of."""
-    yield from contradictions(validation.provenance)
+    told = [*contradictions(validation.provenance)]
+    if validation.suspected is not None and not told:
+        told = [suspicions.of_range(validation.suspected)]
+    yield from told
     defects = []
     for severity, words in ((REPAIR, "repaired"), (WARNING, "left and marked")):
         rules = dict.fromkeys(

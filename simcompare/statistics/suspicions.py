@@ -18,6 +18,8 @@ T = TypeVar("T")
 BETTER = 3.0
 #: of mistakes that explain about as much, the first one is told
 ALIKE = 1.5
+#: those that cannot be told from it are told with it
+SAME = 1.001
 #: of how many mistakes, the best ones alone, all pairs are tried
 PAIRED = 6
 
@@ -51,27 +53,32 @@ class Suspicion:
         cures: what to write or type for each.
         before: misfit of the record as it is.
         after: with the changes.
+        also: changes that by symmetry explain exactly as much.
     """
 
     says: tuple[str, ...]
     cures: tuple[str, ...]
     before: float
     after: float
+    also: tuple[str, ...] = ()
 
 
-def suspected(given: T, hypotheses: Sequence[Hypothesis[T]], misfit: Misfit[T]) -> Suspicion | None:
+def suspected(
+    given: T, hypotheses: Sequence[Hypothesis[T]], misfit: Misfit[T], *, paired: int = PAIRED
+) -> Suspicion | None:
     """The mistake that explains a misfit, or the two that do where no single one does.
 
     Args:
         given: the record as it is.
         hypotheses: the mistakes, the likeliest first.
         misfit: how far a record is from what is known, 0 or more; infinite where it cannot be.
+        paired: of how many mistakes, the best ones alone, all pairs are tried.
     """
     before = misfit(given)
     alone = [(i, one, misfit(one.value)) for i, h in enumerate(hypotheses) if (one := h(given))]
     alone = [row for row in alone if math.isfinite(row[2])]
     found = _best([((one,), after) for _, one, after in alone])
-    good = {i for i, _, _ in sorted(alone, key=lambda row: row[2])[:PAIRED]}
+    good = {i for i, _, _ in sorted(alone, key=lambda row: row[2])[:paired]}
     pairs = []
     for i, one, _ in alone:
         for j in range(i + 1, len(hypotheses)):
@@ -85,7 +92,8 @@ def suspected(given: T, hypotheses: Sequence[Hypothesis[T]], misfit: Misfit[T]) 
         return None
     changes, after = found
     says, cures = zip(*((one.says, one.cure) for one in changes), strict=True)
-    return Suspicion(says, cures, before, after)
+    same = [one.says for _, one, left in alone if left <= SAME * after and one.says not in says]
+    return Suspicion(says, cures, before, after, tuple(same) if len(changes) == 1 else ())
 
 
 def _best(

@@ -25,6 +25,7 @@ from simcompare.results.records.validation import (
     SegmentRecord,
     Validation,
 )
+from simcompare.statistics.suspicions import Suspicion
 from simcompare.validation.beginnings import apart
 from simcompare.validation.signals import gaps, spread, waveforms
 from simcompare.validation.timings import timing
@@ -44,6 +45,7 @@ class Compared:
         fit: what was fitted, ``None`` where nothing was.
         segments: of the recording.
         engines: what they gave.
+        suspected: a mistake in what is said of the recording, where one explains that it misfits.
     """
 
     source: Source
@@ -51,6 +53,7 @@ class Compared:
     fit: Estimate | None
     segments: Sequence[Evaluated]
     engines: Sequence[Engine]
+    suspected: Suspicion | None = None
 
 
 def of_validation(done: Compared) -> Validation:
@@ -88,6 +91,7 @@ def of_validation(done: Compared) -> Validation:
         agreement=tuple(agreement(rows)),
         alignments=tuple(one.alignment for one in segments),
         apart=tuple(row for one in segments for row in apart(plan, one, fit)),
+        suspected=done.suspected,
     )
 
 

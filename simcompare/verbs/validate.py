@@ -11,7 +11,7 @@ from simcompare.comparison.repeats import one_step_s
 from simcompare.engine import engines
 from simcompare.errors import UnknownName
 from simcompare.inference import plan as plans
-from simcompare.inference import sources
+from simcompare.inference import sources, suspicions
 from simcompare.inference.calibration import calibrated
 from simcompare.inference.evaluated import Evaluated, evaluate
 from simcompare.inference.reference_model import model_of
@@ -101,6 +101,10 @@ def validate(
     segments = segments_of(file, plan, source.recording, streams or plan.streams, overrides)
     check_step(model, segments, step, step_s)
     fit = calibrated(model, plan, source, overrides, mapping)
+    fitted = {} if fit is None else fit.as_dict()
+    doubt = suspicions.suspected(
+        model, plan, source.recording, [one.stream for one in segments], overrides, fitted
+    )
     evaluated = [evaluate(model, plan, segment, fit, step_s) for segment in segments]
     simulated = simulate(
         model, segments, None if fit is None else fit.as_dict(), chosen, contact=contact,
@@ -110,7 +114,7 @@ def validate(
         scenario=scenario, engine=engine, set=set, step=step, recording=recording, contact=contact,
         mapping=mapping, streams=tuple(streams), strict=strict,
     )  # fmt: skip
-    done = _run_of(request, file, Compared(source, plan, fit, evaluated, simulated))
+    done = _run_of(request, file, Compared(source, plan, fit, evaluated, simulated, doubt))
     return done if out is None else store.save(done, Path(out))
 
 

@@ -15,6 +15,7 @@ from simcompare.model.recording import Event, Provenance
 from simcompare.results.records.run import Record
 from simcompare.statistics.agreement import Birge
 from simcompare.statistics.gap import Gap
+from simcompare.statistics.suspicions import Suspicion
 
 #: what the parameters rest on
 KNOWN, HELD_OUT, SAME = "known before", "held out", "same data"
@@ -292,6 +293,7 @@ class Validation:
         alignments: of the clock of each segment; ``None`` where it was not aligned.
         apart: segments that do not begin where the simulation does.
         sentences: the answer in words.
+        suspected: a mistake in what is said of the recording, where one explains that it misfits.
     """
 
     recording: str
@@ -315,6 +317,7 @@ class Validation:
     alignments: tuple[Alignment | None, ...] = ()
     apart: tuple[ApartRecord, ...] = ()
     sentences: tuple[str, ...] = ()
+    suspected: Suspicion | None = None
 
     @property
     def streams(self) -> tuple[str, ...]:
