@@ -144,3 +144,21 @@ def test_the_first_of_those_that_fit_alike_is_told_and_a_pair_where_none_does_al
     assert suspected(0, [plus(3), plus(5)], off(0)) is None
     assert suspected(0, [plus(3), plus(5), plus(5)], off(5)).says == ("+5",)
     assert suspected(0, [plus(3), plus(50)], off(53)).says == ("+3", "+50")
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong", "says"),
+    [
+        ("start_heading_rad", 0.0, "start_heading_rad = 3.14"),
+        ("track_m", 0.0785, "track_m = 0.157"),
+    ],
+)
+def test_a_wrong_number_of_a_robot_is_told_with_what_to_type(name, wrong, says):
+    recording = "robot_labyrinth_exchanged"
+    if registry.place(recording) is None:
+        pytest.skip(f"{recording} is not on this machine")
+    found = asked(recording, None, "odometry", **{name: wrong})
+    assert found is not None
+    assert found.says[0].startswith(says)
+    typed, value = found.cures[0].removeprefix("add --set ").split("=")
+    assert asked(recording, None, "odometry", **{typed: float(value)}) is None

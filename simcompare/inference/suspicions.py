@@ -28,8 +28,8 @@ from simcompare.statistics.agreement import rms
 from simcompare.statistics.suspicions import Change, Hypothesis, Suspicion
 
 #: looked for where the reference is off by more than this part of the range of what was measured,
-#: and told where no more than the second is left
-MISSES, EXPLAINED = 0.1, 0.05
+#: and told where it then is no longer; two mistakes together explain a lot, and must leave less
+MISSES, LEFT_BY_TWO = 0.1, 0.05
 #: samples of a channel at which both are compared
 MOST_SAMPLES = 200
 #: smallest constant error of an angle that is no matter of calibration [rad], and how often it is
@@ -124,7 +124,9 @@ def suspected(
     if not MISSES < before < math.inf:
         return None
     found = suspicions.suspected(given, list(_mistakes(trial, recording)), trial.misfit, paired=2)
-    return found if found is not None and found.after < EXPLAINED else None
+    if found is None or found.after > (MISSES if len(found.says) == 1 else LEFT_BY_TWO):
+        return None
+    return found
 
 
 def _mistakes(trial: Trial, recording: Recording) -> list[Hypothesis[Read]]:
