@@ -31,6 +31,8 @@ _FINEST_S = 1e-5
 _MAX_FACTOR = 0.99
 #: an impact that others of known scatter contradict is off by this part of a flight or more
 _MIN_OFF = 0.01
+#: the same for the first and the last impact
+_MIN_OFF_END = 0.08
 #: part of a residual that its own impact does not fit away, at least
 _LEVERAGE = 0.3
 #: part of the impacts that must belong to the series, and how many at least: any three that are
@@ -131,7 +133,7 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     """Restitution as a power of the speed, which drag resembles; constant for few impacts."""
     from scipy import stats
 
-    model = "power" if len(times) > 4 else "constant"
+    model = "power+drag" if len(times) > 6 else "power" if len(times) > 4 else "constant"
     steps = numbers - int(numbers.min()) + 1
     each = np.where(np.isfinite(u), u, 1e-3)
     impacts = Impacts(times, each, tuple(steps.tolist()))
@@ -150,13 +152,16 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
     free = np.maximum(1 - np.sum(q * q, axis=1), 1e-9)
     rest = np.maximum(chi2 - residual**2 / free, 1e-12 * chi2)
     worst = int(np.argmin(rest))
-    blamed = stats.chi2.sf(rest[worst], degrees - 1) > _BY_CHANCE and free[worst] > _LEVERAGE
+    # at the ends leaving one out means to extrapolate a form that is not exact
+    at_end = worst in (0, len(times) - 1)
+    flight = float(predicted[steps[worst]] - predicted[steps[worst] - 1])
+    off = abs(residual[worst]) / free[worst] * each[worst]
+    if off < (_MIN_OFF_END if at_end else _MIN_OFF) * flight or free[worst] < _LEVERAGE:
+        return _Fit(predicted, scatter, -1, False)
+    blamed = stats.chi2.sf(rest[worst], degrees - 1) > _BY_CHANCE
     if stated and degrees > 2 and blamed:
-        # all others agree within what is stated, so this one alone is to blame; not so at the
-        # ends, where leaving one out means to extrapolate a form that is not exact
-        flight = float(predicted[steps[worst]] - predicted[steps[worst] - 1])
-        off = abs(residual[worst]) / free[worst] * each[worst]
-        return _Fit(predicted, scatter, worst, bool(off > _MIN_OFF * flight))
+        # all others agree within what is stated, so this one alone is to blame
+        return _Fit(predicted, scatter, worst, True)
     scale = math.sqrt(max(rest[worst] / (degrees - 1), 1.0 if stated else least) * free[worst])
     limit = float(stats.t.isf(_BY_CHANCE / 2 / len(times), degrees - 1))
     return _Fit(predicted, scatter, worst, bool(abs(residual[worst]) > limit * scale))
