@@ -21,6 +21,8 @@ from simcompare.results.records.fit_bounces import Rejected
 
 #: chance that an impact of the series is taken for an outlier, and that its scatter is told
 _BY_CHANCE = 1e-3
+#: the first of these where nothing but the series itself tells its scatter
+_BY_ITSELF = 1e-4
 #: scatter about the closed form, as part of a flight, above which the order is looked into
 _ROUGH = 0.02
 #: a pause between two drops lasts longer than so many of the longest flight, and than this [s]
@@ -130,7 +132,7 @@ def _shrinks(times: Array, numbers: NDArray[np.int64]) -> bool:
 
 
 def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
-    """Restitution as a power of the speed, which drag resembles; constant for few impacts."""
+    """Restitution as a power of the speed, with drag; less of both for few impacts."""
     from scipy import stats
 
     model = "power+drag" if len(times) > 6 else "power" if len(times) > 4 else "constant"
@@ -163,7 +165,7 @@ def _fit(times: Array, u: Array, numbers: NDArray[np.int64]) -> _Fit:
         # all others agree within what is stated, so this one alone is to blame
         return _Fit(predicted, scatter, worst, True)
     scale = math.sqrt(max(rest[worst] / (degrees - 1), 1.0 if stated else least) * free[worst])
-    limit = float(stats.t.isf(_BY_CHANCE / 2 / len(times), degrees - 1))
+    limit = float(stats.t.isf(_BY_ITSELF / 2 / len(times), degrees - 1))
     return _Fit(predicted, scatter, worst, bool(abs(residual[worst]) > limit * scale))
 
 
