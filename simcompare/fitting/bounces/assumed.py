@@ -58,4 +58,5 @@ def of_recorder(drops: Sequence[Impacts], sought: Collection[str] = ()) -> Mappi
     if any(drop.track is not None for drop in drops):
         found = {CLOCK: FRAMES, SCALE: LENGTHS}
         return {name: prior for name, prior in found.items() if name != SCALE or name not in sought}
-    return {CLOCK: QUARTZ} if any(len(drop.times_s) for drop in drops) else {}
+    timed = any(len(drop.times_s) or len(drop.intervals_s) for drop in drops)
+    return {CLOCK: QUARTZ} if timed else {}
