@@ -34,7 +34,8 @@ def filmed_samples(values=TRUTH, fps=30, u_m=3e-3, seconds=3.0, seed=0, floor=0.
     whole = {**values, "floor_m": floor}
     time = np.arange(0, seconds, 1 / fps) + generator.uniform(0, 1 / fps)
     found = bounces(MODELS["power"], whole, 40)
-    height = height_at(found, whole, time, np.searchsorted(found.impact_s, time))
+    # after the last bounce the ball lies on the floor
+    height = np.fmax(height_at(found, whole, time, np.searchsorted(found.impact_s, time)), floor)
     height = np.where(time < values["release_time_s"], values["drop_height_m"] + floor, height)
     return time, height + generator.normal(0, u_m, len(time))
 

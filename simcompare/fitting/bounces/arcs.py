@@ -68,7 +68,7 @@ def from_heights(
     time, height, u = seen.time_s, seen.height_m, seen.u_m
     noise = float(np.median(u)) if np.isfinite(u).all() else noise_of(height)
     start = start_of(time, height, noise, gravity_m_s2, source)
-    flight, why = follow(time, height, u, noise, gravity_m_s2, start)
+    flight, why = follow(time, height, u, noise, gravity_m_s2, start, source)
     left_out = [
         Rejected("sample", int(seen.rows[k]) + 1, float(time[k]), why[k]) for k in sorted(why)
     ]
@@ -110,7 +110,7 @@ def _apex(track: Track, number: int, gravity: float, drag: float) -> tuple[Array
         up = (bounce_models.arc(tau + 1e-6, apex[1], gravity, drag) - here) / 1e-6
         design = np.column_stack((-up, np.ones(len(t)))) * w[:, None]
         apex = apex + np.linalg.lstsq(design, (y - here) * w, rcond=None)[0]
-    return apex, np.linalg.inv(design.T @ design)
+    return apex, np.asarray(np.linalg.inv(design.T @ design), dtype=float)
 
 
 def _join(arcs: _Arcs, n: int) -> float:

@@ -36,19 +36,6 @@ _SLOW, _LONG_S = 0.6, 0.1
 
 
 @dataclass(frozen=True)
-class Start:
-    """A motion as two flights tell it.
-
-    Attributes:
-        values: of its unknowns.
-        last: number of the second of them.
-    """
-
-    values: Mapping[str, float]
-    last: int
-
-
-@dataclass(frozen=True)
 class Samples:
     """What was measured of the heights, and the samples that were not.
 
@@ -155,36 +142,67 @@ def _slopes(time: Array, values: Array, width: int) -> Array:
     return np.asarray(np.sum(t * y, axis=1) / np.sum(t * t, axis=1))
 
 
-def start_of(time: Array, height: Array, noise: float, gravity: float, source: str) -> Start:
-    """The motion as the first two whole flights between kinks tell it, without drag.
+def no_flights(source: str) -> InputError:
+    """What is said where nothing bounces that can be followed."""
+    return InputError(
+        source or "height",
+        [f"no two flights after each other have {MIN_SAMPLES} samples each on two arcs that meet at"
+         " a floor: film faster or drop from higher"],
+    )  # fmt: skip
+
+
+def start_of(
+    time: Array, height: Array, noise: float, gravity: float, source: str
+) -> Mapping[str, float]:
+    """The motion as two flights after each other tell it, without drag; the first is its drop.
 
     Raises:
         InputError: no two flights that follow each other.
     """
-    cuts = kinks(time, height, noise, gravity, source)
-    flight = np.searchsorted(cuts, np.arange(len(time)), side="right")
+    steady = ~_spikes(time, height, noise, gravity)
+    t, y = time[steady], height[steady]
+    cuts = kinks(t, y, noise, gravity, source)
+    ends = [*t[cuts].tolist(), math.inf]
+    flight = np.searchsorted(cuts, np.arange(len(t)), side="right")
     # before it falls a ball is in a hand
-    longest = math.sqrt(2 * float(np.ptp(height)) / gravity)
-    flight[time < time[cuts[0]] - 1.1 * longest] = -1
+    longest = 1.1 * math.sqrt(2 * float(np.ptp(y)) / gravity)
     apexes = [
-        _apex(time, height, np.flatnonzero(flight == n), noise, gravity)
-        for n in range(len(cuts) + 1)
-    ]
-    for n, (one, two) in enumerate(itertools.pairwise(apexes)):
-        found = None if one is None or two is None else _joined(n, one, two, gravity)
-        if found is not None:
-            return found
-    raise InputError(
-        source or "height",
-        [f"no two flights after each other have {MIN_SAMPLES} samples each that lie on one arc and"
-         " on a lower one: film faster or drop from higher"],
-    )  # fmt: skip
+        _apex(t, y, np.flatnonzero((flight == n) & (t > end - longest)), noise, gravity)
+        for n, end in enumerate(ends[:-1])
+    ] + [_apex(t, y, np.flatnonzero(flight == len(cuts)), noise, gravity)]
+    pairs = [_joined(one, two, gravity) for one, two in itertools.pairwise(apexes)]
+    found = [pair for pair in pairs if pair is not None]
+    if not found:
+        raise no_flights(source)
+    return max(found, key=lambda pair: pair[0])[1]
+
+
+def _spikes(time: Array, height: Array, noise: float, gravity: float) -> NDArray[np.bool_]:
+    """Samples on the line neither of the two before nor of the two after, free fall taken off."""
+    straight = height + 0.5 * gravity * (time - time[0]) ** 2
+    off = np.full((2, len(time)), True)
+    for row, side in zip(off, (-1, 1), strict=True):
+        t, y = time[::side], straight[::side]
+        ahead = (t[2:] - t[1:-1]) / (t[1:-1] - t[:-2])
+        foretold = y[1:-1] + (y[1:-1] - y[:-2]) * ahead
+        u = noise * np.sqrt(1 + (1 + ahead) ** 2 + ahead**2)
+        row[::side][2:] = np.abs(y[2:] - foretold) > OUTLIER * u
+    off[0, :2], off[1, -2:] = off[1, :2], off[0, -2:]
+    return np.asarray(off[0] & off[1])
+
+
+@dataclass(frozen=True)
+class _Apex:
+    """Apex of the parabola that most of a flight's samples share, and how many these are."""
+
+    time_s: float
+    height_m: float
+    count: int
 
 
 def _apex(
     time: Array, height: Array, own: NDArray[np.intp], noise: float, gravity: float
-) -> tuple[float, float] | None:
-    """Time and height of the apex of the parabola that most of a flight's samples share."""
+) -> _Apex | None:
     if len(own) < MIN_SAMPLES:
         return None
     t, y = time[own], height[own]
@@ -192,29 +210,27 @@ def _apex(
     near = max(OUTLIER * noise, 0.01 * float(np.ptp(y)))
     middle = float(t.mean())
     line = shared(own, t, y + 0.5 * gravity * (t - middle) ** 2, near)
-    if np.count_nonzero(line.on) < MOST * len(own):
+    count = int(np.count_nonzero(line.on))
+    if count < MOST * len(own):
         return None
     apex = middle + line.slope / gravity
     top = line.level + line.slope * (apex - line.middle) - 0.5 * gravity * (apex - middle) ** 2
-    return apex, top
+    return _Apex(apex, top, count)
 
 
 def _joined(
-    number: int, one: tuple[float, float], two: tuple[float, float], gravity: float
-) -> Start | None:
-    """Two flights with the impact between them; nothing where they are none of a bouncing ball."""
-    (a, high), (b, low) = one, two
-    if not b > a:
+    one: _Apex | None, two: _Apex | None, gravity: float
+) -> tuple[int, dict[str, float]] | None:
+    """Samples on two flights, and their motion; nothing where they are none of a bouncing ball."""
+    if one is None or two is None or not two.time_s > one.time_s:
         return None
+    a, b, high, low = one.time_s, two.time_s, one.height_m, two.height_m
     impact = (a + b) / 2 + (high - low) / (gravity * (b - a))
     floor = high - 0.5 * gravity * (impact - a) ** 2
     if not (a < impact < b and floor < low < 1.1 * (high - floor) + floor):
         return None
-    e = min(math.sqrt((low - floor) / (high - floor)), 0.98)
-    rise = impact - a  # of this flight; earlier ones last longer by 1/e each
-    before = rise + sum(2 * rise / e**m for m in range(1, number)) + rise / e**number
     values = {
-        "restitution": e, "drop_height_m": (high - floor) / e ** (2 * number),
-        "release_time_s": a - before if number else a, "floor_m": floor, "scale": 1.0,
+        "restitution": min(math.sqrt((low - floor) / (high - floor)), 0.98),
+        "drop_height_m": high - floor, "release_time_s": a, "floor_m": floor, "scale": 1.0,
     }  # fmt: skip
-    return Start(values, number + 1)
+    return one.count + two.count, values

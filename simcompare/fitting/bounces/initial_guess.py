@@ -56,6 +56,8 @@ def _drop(drop: Impacts, gravity: float) -> dict[str, float]:
 
 def _first_speed(drop: Impacts, e: float, gravity: float) -> float:
     """Speed of the first impact, from the first flight (or flights) that was recorded."""
+    if drop.track is not None and len(drop.heights_m):
+        return float(np.sqrt(2 * gravity * drop.heights_m[0]) / e ** drop.height_numbers[0])
     if len(drop.times_s) < 2:
         return float(np.sqrt(2 * gravity))
     a, b = drop.numbers[:2]
