@@ -94,7 +94,7 @@ def averaged(choice: Choice) -> Averaged:
     able = [one for one in choice.candidates if one.weight > _LEAST] or [choice.candidates[0]]
     total = sum(one.weight for one in able) or 1.0
     return Averaged(tuple(
-        Share(one.fit, one.weight / total, distribution.of_fit(one.fit, choice.scatter).draws())
+        Share(one.fit, one.weight / total, distribution.of_fit(one.fit).draws())
         for one in sorted(able, key=lambda one: -one.weight)
     ))  # fmt: skip
 

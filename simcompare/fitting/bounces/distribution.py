@@ -7,7 +7,6 @@ below, and what is left of it above 0 says how strong a drag may still be.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,19 +66,15 @@ class Distribution:
         return found
 
 
-def of_fit(fit: Fit, scatter: float) -> Distribution:
-    """The distribution of the internal numbers of a fit.
-
-    Args:
-        fit: of one law.
-        scatter: by how much the data scatter more than stated, squared, whatever the law.
-    """
+def of_fit(fit: Fit) -> Distribution:
+    """The distribution of the internal numbers of a fit, as wide as its own scatter asks."""
     drag = next((k for k, name in enumerate(fit.names) if base(name) == SPEED), None)
-    problem = fit.problem.widened(math.sqrt(scatter / fit.s2))
-    jacobian = least_squares.jacobian_of(problem.residuals, fit.x[None, :], problem.size)[0]
-    held = [name in fit.at_bound and k != drag for k, name in enumerate(fit.names)]
-    covariance = least_squares.covariance_of(jacobian / problem.size, np.array(held))
-    slope = (jacobian / problem.size).T @ problem.residuals(fit.x)
+    if drag is None or fit.names[drag] not in fit.at_bound:
+        return Distribution(fit.x, fit.internal_covariance, drag, 0.0)
+    residuals, size = fit.problem.residuals, fit.problem.size
+    jacobian = least_squares.jacobian_of(residuals, fit.x[None, :], size)[0] / size
+    covariance = least_squares.covariance_of(jacobian)
+    slope = jacobian.T @ residuals(fit.x)
     step = -covariance @ slope
     return Distribution(fit.x + step, covariance, drag, float(-slope @ step))
 

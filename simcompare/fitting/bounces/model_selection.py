@@ -213,5 +213,5 @@ def _likely(row: Candidate, scatter: float) -> float:
     """
     if any(base(name) != SPEED for name in row.fit.at_bound):
         return 0.0
-    found = distribution.of_fit(row.fit, scatter)
-    return found.part * math.exp(min(found.gain / 2, _MOST_GAIN))
+    found = distribution.of_fit(row.fit)
+    return found.part * math.exp(min(found.gain * row.fit.s2 / scatter / 2, _MOST_GAIN))
