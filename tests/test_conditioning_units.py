@@ -52,13 +52,13 @@ def test_gravity_within_the_errors_of_cheap_sensors_is_fine(size):
     [
         (1.0, "m/s^2", "unit: g_0}"),
         (0.9935, "m/s^2", "unit: g_0}"),
-        (1000.0, "m/s^2", "unit: millig_0}"),
+        (1000.0, "m/s^2", "unit: mg_0}"),
         (16384.0, "m/s^2", "unit: g_0, scale: 6.10352e-05}"),
         (8192.0, "g", "unit: g_0, scale: 0.00012207}"),
         (4096.0, "m/s^2", "unit: g_0, scale: 0.000244141}"),
         (2048.0, "m/s^2", "unit: g_0, scale: 0.000488281}"),
         (G, "g", "unit: m/s^2}"),
-        (1000.0, "g", "unit: millig_0}"),
+        (1000.0, "g", "unit: mg_0}"),
         (1.0, "mg", "unit: g_0}"),
     ],
 )

@@ -84,7 +84,7 @@ def measures_acceleration(name: str) -> bool:
 def unit_text(name: str, unit: str) -> str:
     """The unit as it is meant: in a column of accelerations g is standard gravity, no gram."""
     if unit in ("g", "G", "mg") and _ACCELERATION.search(name):
-        return "g_0" if unit in ("g", "G") else "millig_0"
+        return "g_0" if unit in ("g", "G") else "mg_0"
     return unit
 
 

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from simcompare.errors import InputError
+from simcompare.units import spelling, table
 
 #: name suffix -> unit as pint reads it; the longest suffix that fits wins
 UNITS_BY_SUFFIX = {
@@ -55,17 +56,6 @@ UNITS_BY_SUFFIX = {
     "_kg_m_s": "kg*m/s",
 }
 
-#: how logs write units that pint reads otherwise, or not at all
-_LOG_UNITS = {
-    "dps": "deg/s", "°/s": "deg/s", "°": "deg", "g0": "g_0", "gee": "g_0", "rps": "turn/s",
-    "rev/s": "turn/s", "rev/min": "turn/min", "r/min": "turn/min", "rpm": "turn/min",
-    "RPM": "turn/min", "1/min": "turn/min", "°C": "degC", "%": "percent", "-": "1", "sec": "s",
-    "secs": "s", "seconds": "s", "Volt": "V", "Volts": "V", "Ω": "ohm", "µs": "us", "μs": "us",
-    "U/min": "turn/min", "mdps": "millideg/s", "krpm": "kiloturn/min", "N.m": "N*m", "N-m": "N*m",
-    "oz-in": "inch*ozf", "oz.in": "inch*ozf", "µT": "uT", "μT": "uT", "s^-1": "1/s",
-}  # fmt: skip
-#: what pint reads as something else than a log means by it
-_NO_UNITS = ("px", "pixel", "pixels", "dB", "dBm", "LSB")
 _WANTED = "a unit such as m, s, m/s^2, deg/s, V, or 1 for a plain number"
 #: units that are proposed for what is written nearly so
 _USUAL = (
@@ -75,11 +65,6 @@ _USUAL = (
     "mbar", "V", "mV", "A", "mA", "uA", "K", "degC", "Hz", "kHz", "MHz", "T", "mT", "uT", "W", "mW",
     "kW", "J", "ohm", "percent",
 )  # fmt: skip
-_ANGLE = re.compile(
-    r"\b(m|milli|u|µ|micro|k|kilo)?"
-    r"(rad|deg|degree|degrees|radian|radians|turn|turns|revolution|rpm)\b"
-)
-
 #: units of which a multiple is read without pint, whose import takes longer than a scenario's
 _PLAIN = {"m": "m", "s": "s", "g": "kg", "N": "N", "V": "V", "A": "A", "Hz": "Hz", "W": "W",
           "Pa": "Pa", "J": "J"}  # fmt: skip
@@ -92,7 +77,6 @@ MULTIPLES = {
 } | {"deg": ("rad", math.pi / 180)}
 
 _SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
-_UNIT = re.compile(r"^[A-Za-zµμΩ°%][A-Za-zµμΩ°%\d_*/^·²³ -]*$")
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 #: a number of many countries: 0,5 and 1.234,5
 _COMMA = re.compile(r"^\s*([-+]?)(\d+|\d{1,3}(?:\.\d{3})+),(\d+)\s*(|[^\d\s,.].*?)\s*$")
@@ -128,7 +112,9 @@ def find_name(given: str, known: Iterable[str]) -> str | None:
 def _registry() -> Any:  # noqa: ANN401  (pint.UnitRegistry; pint is slow to import and rarely needed)
     import pint
 
-    return pint.UnitRegistry()
+    registry = pint.UnitRegistry()
+    registry.define("log_gauss = 1e-4 * tesla")  # pint's own belongs to another system of units
+    return registry
 
 
 def to_si(text: str | float, unit: str, where: str) -> float:
@@ -212,35 +198,29 @@ def si_of(text: str, where: str) -> tuple[float, float, str]:
     return found
 
 
+def ways(text: str) -> tuple[str, ...]:
+    """How each meaning of a spelling is written: ``g`` is ``gram`` or ``g_0``, ``V`` itself."""
+    return spelling.ways(text)
+
+
 @functools.lru_cache(maxsize=4096)
 def _meaning(text: str) -> tuple[float, float, str] | str:
     """Factor, offset and SI unit, or what is wrong; a log may ask for thousands of columns."""
-    given = _LOG_UNITS.get(text.strip(), text.strip())
-    given = re.sub(r"(?<=[a-z])([23])\b", r"**\1", given.replace("²", "**2").replace("³", "**3"))
-    given = re.sub(r"Nm\b", "N*m", given.replace("·", "*").replace("^", "**").replace("°", "deg"))
-    if given in ("1", ""):
+    found = spelling.read(text)
+    if found is None:
+        return not_a_unit(text)
+    if not found.expression:
         return 1.0, 0.0, "1"
-    if given in MULTIPLES:
-        si, factor = MULTIPLES[given]
+    if text in MULTIPLES:
+        si, factor = MULTIPLES[text]
         return factor, 0.0, si
-    if given in _NO_UNITS:
-        return f"{text!r} has no place here; expected {_WANTED}"
-    if len(given) > 40 or not (_UNIT.match(given) or re.fullmatch(r"1 ?/ ?[A-Za-z]+", given)):
-        return not_a_unit(text)
-    try:
-        unit = _registry().Unit(given)
-    except Exception:  # noqa: BLE001  (pint raises many kinds for what it cannot read)
-        if len(given) > 3 and given != given.lower():  # Newtons, VOLTS, Second
-            found = _meaning(given.lower())
-            return not_a_unit(text) if isinstance(found, str) else found
-        return not_a_unit(text)
-    si_unit = _si_unit(
-        unit, is_angle=bool(_ANGLE.search(given)), is_energy=given.endswith(("J", "h"))
-    )
+    registry = _registry()
+    unit = registry.Unit(found.expression)
+    si_unit = _si_unit(unit, is_angle=found.is_angle, is_energy=found.is_energy)
     if si_unit is None:
         return f"{text!r} has no place here; expected {_WANTED}"
     target = "" if si_unit == "1" else si_unit
-    zero, one = (float(_registry().Quantity(x, unit).to(target).magnitude) for x in (0.0, 1.0))
+    zero, one = (float(registry.Quantity(x, unit).to(target).magnitude) for x in (0.0, 1.0))
     return one - zero, zero, si_unit
 
 
@@ -268,9 +248,19 @@ def unit_of_result(
 
 def not_a_unit(text: str) -> str:
     """What to say of a unit that is none, with the one that is written nearly so."""
-    if text.strip() == "?":
+    bare = text.strip()
+    if bare == "?":
         return "'?' is no unit; replace the ? by the unit, or by 1 for a plain number"
-    near = difflib.get_close_matches(text.strip(), _USUAL, n=1, cutoff=0.6)
+    several = spelling.ways(text)
+    if len(several) > 1:
+        spoken = " or ".join(table.SPOKEN.get(way, way) for way in several)
+        return f"{bare!r} may be {spoken}; write {' or '.join(several)}"
+    none = table.NO_UNITS.get(bare.partition("/")[0])
+    if none:
+        return f"{bare!r} is no unit: {none}"
+    near = [unit for unit in _USUAL if unit.lower() == bare.lower()] or (
+        difflib.get_close_matches(bare, _USUAL, n=1, cutoff=0.6) if len(bare) > 1 else []
+    )
     hint = f"did you mean {near[0]}? E" if near else "e"
     return f"{text!r} is not a unit; {hint}xpected {_WANTED}"
 
@@ -290,7 +280,7 @@ def _si_unit(unit: Any, *, is_angle: bool, is_energy: bool) -> str | None:  # no
         return angles[0]
     if is_energy and "J" in plain:
         return "J"
-    return (plain or angles)[0]
+    return (plain or fitting)[0]
 
 
 def suffix_for(si_unit: str) -> str:
@@ -303,18 +293,15 @@ def _converted(number: float, given: str, unit: str, where: str) -> float:
     if si == unit:
         return number * factor
     expected = "a plain number, no unit" if unit == "1" else f"{symbol(unit)} or a multiple of it"
-    # as people write them: Nm, m/s2
-    given = re.sub(r"Nm\b", "N*m", re.sub(r"(?<=[a-z])([23])\b", r"**\1", given))
-    # pint reads units as Python expressions; only what can be a unit reaches it
-    if not _UNIT.match(given):
-        raise InputError(where, [f"{given!r} is not a unit; expected {expected}"])
     import pint
 
-    try:
-        quantity = _registry().Quantity(number, given).to("" if unit == "1" else unit)
-    except pint.DimensionalityError:
-        raise InputError(where, [f"the unit {given!r} does not fit; expected {expected}"]) from None
-    # pint raises many kinds for what it cannot read; all mean the same to the user
-    except Exception:  # noqa: BLE001
-        raise InputError(where, [f"{given!r} is not a unit; expected {expected}"]) from None
-    return float(quantity.magnitude)
+    for way in spelling.ways(given):  # a mass of 5 g, an acceleration of 5 g
+        found = spelling.read(way)
+        if found is None:
+            raise InputError(where, [f"{given!r} is not a unit; expected {expected}"])
+        try:
+            quantity = _registry().Quantity(number, found.expression)
+            return float(quantity.to("" if unit == "1" else unit).magnitude)
+        except pint.DimensionalityError:
+            continue
+    raise InputError(where, [f"the unit {given!r} does not fit; expected {expected}"])
