@@ -60,14 +60,17 @@ def read(
     return drive.noted(recording, mapping.drive, f"{path.name}, drive")
 
 
+def with_path(text: str, path: Path) -> str:
+    """Commands in messages get the path of the log, so that they work when they are pasted."""
+    return text.replace(IMPORT, IMPORT.replace("LOG", shlex.quote(str(path))))
+
+
 @contextmanager
 def _told_with_path(path: Path) -> Iterator[None]:
-    """Commands in messages get the path of the log, so that they work when they are pasted."""
     try:
         yield
     except InputError as error:
-        command = IMPORT.replace("LOG", shlex.quote(str(path)))
-        told = [fault.replace(IMPORT, command) for fault in error.faults]
+        told = [with_path(fault, path) for fault in error.faults]
         if told == [*error.faults]:
             raise
         raise InputError(error.where, told) from error

@@ -7,7 +7,7 @@ holds a description of the robot says it itself.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.mapping import PRISMATIC, REVOLUTE, Mapping
@@ -29,8 +29,6 @@ _COLUMN = re.compile(
     r"field\.(?P<quantity>position|velocity|effort)(?P<joint>\d+)"
     r"|/.*joint_states?/(?P<joint_2>.+)[/.](?P<quantity_2>position|velocity|effort)"
 )
-#: joints that are named in a message
-_SHOWN = 12
 
 
 def described(text: str) -> dict[str, str]:
@@ -73,15 +71,3 @@ def settle(raw: RawLog, mapping: Mapping, file: str) -> None:
     if described_here:
         text = "units of joints are those of the robot description in the bag"
         raw.repairs.append(Repair("joint_units", INFO, f"{text}: {', '.join(described_here)}"))
-
-
-def question(columns: Sequence[RawColumn]) -> str:
-    """What the user must say of joints, with the line that says it."""
-    joints = list(dict.fromkeys(column.joint for column in columns))
-    each = ", ".join(f"{name}: {REVOLUTE}" for name in joints[:_SHOWN])
-    line = f"joints: {{{each}}}" if len(joints) <= _SHOWN else f"joints: {REVOLUTE}"
-    return (
-        f"{len(columns)} columns of joints are in rad or m, rad/s or m/s, N·m or N: a joint turns"
-        " or slides, and the log does not say which. Say it in a mapping file (--map) in one line,"
-        f" with {PRISMATIC} for what slides: {line}"
-    )

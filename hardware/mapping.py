@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     PositiveFloat,
@@ -38,6 +39,10 @@ UNKNOWN = "?"
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+#: a unit; the number 1 is that of plain numbers
+_Unit = Annotated[str, BeforeValidator(lambda unit: "1" if unit == 1 else unit)]
 
 
 class _Column(_Part):
@@ -64,7 +69,7 @@ class TimeMap(_Column):
     """
 
     column: str | Annotated[tuple[str, ...], Field(min_length=1)] | None = None
-    unit: str | None = None
+    unit: _Unit | None = None
     rate_Hz: PositiveFloat | None = None
 
     @model_validator(mode="after")
@@ -99,7 +104,7 @@ class ChannelMap(_Column):
     """
 
     column: str | Annotated[tuple[str, ...], Field(min_length=1)]
-    unit: str
+    unit: _Unit
     scale: float = 1.0
     offset: float = 0.0
     sign: Literal[-1, 1] = 1

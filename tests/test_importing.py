@@ -69,7 +69,7 @@ def test_a_template_is_a_mapping_file_once_the_units_are_in(call, write, tmp_pat
     mapping = write("map.yaml", yaml.safe_dump(tree))
     code, out, err = call("import", log, "--map", mapping)
     assert code == 0, err
-    assert "left out: speed" in out
+    assert "left out: 'speed': no unit is known" in out
 
 
 @pytest.mark.parametrize(
@@ -148,9 +148,11 @@ def test_a_column_that_becomes_time_s_does_not_take_the_place_of_the_clock(write
 
 
 def test_a_unit_that_is_not_understood_is_told_with_one_that_is(write):
-    log = write("a.csv", GOOD.replace("speed (rpm)", "torque [Nmm]"))
-    with pytest.raises(InputError, match=r"has a unit that is not understood.*did you mean N\*mm"):
-        simcompare.import_log(log)
+    log = write("a.csv", GOOD.replace("speed (rpm)", "torque [Nnm]"))
+    (_, left) = simcompare.import_log(log).provenance.conversions
+    assert (left.raw, left.channel) == ("torque [Nnm]", "")
+    assert left.reason.startswith("'Nnm' is not a unit; did you mean N*m?")
+    assert left.cure == 'channels: {torque_nnm: {column: "torque [Nnm]", unit: 1}}'
 
 
 @pytest.mark.parametrize("place", [".", "/"])

@@ -156,29 +156,6 @@ def test_a_question_mark_is_no_unit_but_is_to_be_replaced():
         units.si_of("?", "here")
 
 
-@pytest.mark.parametrize(
-    ("text", "factor", "unit"),
-    [
-        ("mdps", math.pi / 180e3, "rad/s"), ("mrad/s", 1e-3, "rad/s"), ("mdeg", math.pi / 180e3,
-        "rad"), ("krpm", 1e3 * math.pi / 30, "rad/s"), ("U/min", math.pi / 30, "rad/s"),
-        ("N.m", 1.0, "N*m"), ("N-m", 1.0, "N*m"), ("oz-in", 0.00706155, "N*m"), ("kHz", 1e3, "Hz"),
-        ("Wh", 3600.0, "J"),
-    ],
-)  # fmt: skip
-def test_units_of_logs_keep_their_kind(text, factor, unit):
-    """An angle with a prefix stays an angle, and a torque is no energy."""
-    found, offset, si = units.si_of(text, "here")
-    assert (found, offset, si) == (pytest.approx(factor), 0.0, unit)
-
-
-@pytest.mark.parametrize("name", ["ax", "a_x", "acc_x", "az", "a"])
-def test_milligravities_of_an_acceleration_are_no_milligrams(name):
-    from simcompare.hardware.conditioning.units.naming import unit_text
-
-    assert unit_text(f"{name} {name}", "mg") == "mg_0"
-    assert unit_text("mass mass", "mg") == "mg"
-
-
 @pytest.mark.parametrize("unit", sorted(units.MULTIPLES))
 def test_what_is_read_without_pint_is_what_pint_makes_of_it(unit):
     si, factor = units.MULTIPLES[unit]

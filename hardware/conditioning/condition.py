@@ -17,7 +17,13 @@ from simcompare.hardware.conditioning.clock import (
     time_unit,
 )
 from simcompare.hardware.conditioning.strict import refused
-from simcompare.hardware.conditioning.units import inertial, naming, plausible_units
+from simcompare.hardware.conditioning.units import (
+    gravity,
+    inertial,
+    left_out,
+    naming,
+    plausible_units,
+)
 from simcompare.hardware.conditioning.values import (
     angle_wrap,
     counter_wrap,
@@ -51,6 +57,7 @@ CHECKS: tuple[Callable[[Work], None], ...] = (
     counter_wrap.check,
     angle_wrap.check,
     saturation.check,
+    gravity.check,
     plausible_units.check,
     inertial.check,
     truncated.check,
@@ -89,9 +96,12 @@ def condition(
         if work.faults:
             faults += naming.unit_faults(work)
         else:
-            streams[work.stream.name] = _stream(work, conversions)
-            faults += work.faults  # such as columns without a unit
-    faults += naming.without_unit(works)
+            made = _stream(work, conversions)
+            faults += work.faults  # such as a unit of the mapping that is none
+            if made.channels:
+                streams[work.stream.name] = made
+    if (about.mode == "strict" and not mapping.channels) or not (streams or faults):
+        faults += left_out.refused(conversions)
     if faults:
         raise InputError(about.file, faults)
     full = replace(
@@ -137,20 +147,14 @@ def _checked(stream: RawStream, mapping: Mapping, assume_units: bool) -> Work:
 
 
 def _stream(work: Work, conversions: list[Conversion]) -> Stream:
-    """Channels in SI; a column without a unit is a fault or, beside a mapping, left out."""
+    """Channels in SI; a column without a unit is left out."""
     channels: dict[str, Channel] = {}
     for column in work.data:
         wishes = naming.channels_of(work, column)
         for wish, name in wishes:
-            made = naming.conversion(work, column, wish, name)
+            made = naming.conversion(work, column, wish, name, channels)
             conversions.append(made)
-            if made.channel in channels:
-                work.fault(
-                    f"becomes the channel {made.channel!r} as {channels[made.channel].raw!r} does;"
-                    " rename one of the columns or give names in a mapping file (--map)",
-                    channel=column.name,
-                )
-            elif made.channel:
+            if made.channel:
                 values = column.values if len(wishes) == 1 else _copy(column.values)
                 channels[made.channel] = _channel(work, column, wish, made, values)
     clock = replace(work.stream.clock, u_s=work.u_time_s, resolution_s=work.resolution_s)

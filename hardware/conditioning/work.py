@@ -34,7 +34,6 @@ class Work:
         resolution_s: smallest step of the stamps [s].
         repairs: everything noticed or changed.
         faults: what cannot be repaired, in words.
-        unitless: columns whose unit is not known.
     """
 
     stream: RawStream
@@ -48,7 +47,6 @@ class Work:
     resolution_s: float = 0.0
     repairs: list[Repair] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
-    unitless: list[str] = field(default_factory=list)
 
     @property
     def data(self) -> list[RawColumn]:

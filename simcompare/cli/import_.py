@@ -59,14 +59,16 @@ def import_(
     if as_json:
         console.print_json(plain(facts(recording, place)))
         return
-    _print(recording)
+    _print(recording, log)
     typer.echo(f"Stored in {place}")
 
 
-def _print(recording: Recording) -> None:
+def _print(recording: Recording, log: Path) -> None:
     import numpy as np
 
     from simcompare import units
+    from simcompare.hardware.conditioning.units.left_out import told
+    from simcompare.hardware.importing import with_path
 
     about = recording.provenance
     typer.echo(f"{about.file}: {about.importer}, {about.size_bytes / 1e6:.3g} MB")
@@ -82,9 +84,8 @@ def _print(recording: Recording) -> None:
     console.show_table(table)
     if recording.events:
         console.print_wrapped([f"{len(recording.events)} events: {_times(recording)}"])
-    for row in about.conversions:
-        if not row.channel:
-            console.print_wrapped([f"left out: {row.raw}: {row.reason}"])
+    left_out = [with_path(f"left out: {text}", log) for text in told(about.conversions)]
+    console.print_wrapped(left_out)
     _print_repairs(about)
 
 

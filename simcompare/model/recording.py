@@ -123,6 +123,7 @@ class Conversion:
         factor: what the raw values were multiplied by; a sign is in it.
         offset: what was added afterwards, in the SI unit.
         reason: why a column was left out, or where factor and offset come from.
+        cure: the line of a mapping file that keeps a column that was left out.
     """
 
     raw: str
@@ -132,6 +133,7 @@ class Conversion:
     factor: float = 1.0
     offset: float = 0.0
     reason: str = ""
+    cure: str = ""
 
 
 @dataclass(frozen=True)

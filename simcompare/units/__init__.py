@@ -112,7 +112,7 @@ def find_name(given: str, known: Iterable[str]) -> str | None:
 def _registry() -> Any:  # noqa: ANN401  (pint.UnitRegistry; pint is slow to import and rarely needed)
     import pint
 
-    registry = pint.UnitRegistry()
+    registry: Any = pint.UnitRegistry()
     registry.define("log_gauss = 1e-4 * tesla")  # pint's own belongs to another system of units
     return registry
 
@@ -201,6 +201,13 @@ def si_of(text: str, where: str) -> tuple[float, float, str]:
 def ways(text: str) -> tuple[str, ...]:
     """How each meaning of a spelling is written: ``g`` is ``gram`` or ``g_0``, ``V`` itself."""
     return spelling.ways(text)
+
+
+def is_written(text: str) -> bool:
+    """Whether a text stands for a unit in logs, be it one of several, or one of counts."""
+    if len(spelling.ways(text)) > 1 or text.strip() in table.NO_UNITS:
+        return True
+    return not isinstance(_meaning(text), str)
 
 
 @functools.lru_cache(maxsize=4096)

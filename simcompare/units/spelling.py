@@ -11,10 +11,12 @@ from simcompare.units import table
 
 _LONGEST = 40
 #: characters that look alike, and words for signs
+_DEGREE = r"(?:deg(?:rees?)?\.?|grad|°)\s*"
 _ALIKE = (
     ("Â(?=[°µ²³·])", ""), ("[º˚]", "°"), (r"[$]|\\(?=[a-z])", ""),
     (r"\b(?:per|pro|par)\b", "/"), (r"\s+squared$", "^2"),
-    (r"(?:deg(?:rees?)?\.?|grad|°)\s*(C|F|celsius|fahrenheit)\b", r"°\1"),
+    (rf"{_DEGREE}(?:C|celsius)\b", "°C"), (rf"{_DEGREE}(?:F|fahrenheit)\b", "°F"),
+    ("/S(?![a-z])", "/s"),
     (r"%\s*(?:r\.?\s?[hf]\.?)", "%rh"), ("mm Hg", "mmHg"),
 )  # fmt: skip
 _PREFIXED = re.compile(
@@ -136,8 +138,7 @@ def _unit(parts: list[tuple[str, int]]) -> Unit:
     return Unit(
         "*".join(name if power == 1 else f"{name}**{power}" for name, power in parts),
         any(angle in name for name in names for angle in table.ANGLES if "degree_" not in name),
-        any(name.endswith(energy) or energy in name for name in names
-            for energy in ("joule", "watt*hour", "watt*second")),
+        any(energy in name for name in names for energy in table.ENERGIES),
     )  # fmt: skip
 
 

@@ -48,7 +48,8 @@ WORDS = {
     "degree_Fahrenheit": "°F degF fahrenheit", "inch": "in inch inches", "foot": "ft foot feet",
     "yard": "yd yard yards", "mile": "mi mile miles", "knot": "kt kts knot knots",
     "force_pound": "lbf", "force_ounce": "ozf", "force_kilogram": "kp kilopond",
-    "pound": "lb lbs pound", "ounce": "oz ounce", "psi": "psi", "standard_atmosphere": "atm", "torr": "torr",
+    "pound": "lb lbs pound", "ounce": "oz ounce", "psi": "psi", "standard_atmosphere": "atm",
+    "torr": "torr", "(1/minute)": "bpm",
     "millimeter_Hg": "mmHg", "inch_Hg": "inHg", "horsepower": "hp", "metric_horsepower": "PS",
     "(mile/hour)": "mph", "(kilometer/hour)": "kph kmh kmph", "(meter/second)": "mps",
     "(meter/second**2)": "mpss mps2", "(newton*centimeter)": "Ncm", "(newton*millimeter)": "Nmm",
@@ -56,13 +57,15 @@ WORDS = {
     "(force_gram*centimeter)": "gcm gfcm", "(force_ounce*inch)": "ozin",
     "(force_pound*inch)": "inlb inlbs lbin inlbf lbfin",
     "(force_pound*foot)": "ftlb ftlbs lbft ftlbf lbfft", "gallon": "gallon gallons",
+    "liter": "liter liters litre litres",
     "coulomb": "coulomb", "farad": "farad", "nanometer": "nanometer", "milligram": "milligram",
     "microgram": "microgram",
 }  # fmt: skip
 #: what else is written for one of the next
 SAME = {
     "lbs": "lb", "LBS": "lb", "Lbs": "lb", "LB": "lb", "pounds": "lb", "ounces": "oz", "g's": "g",
-    "μg": "ug", "gs": "g", "Gs": "G", "mGs": "mG", "NM": "nm", "M/S": "m/s", "M/S2": "m/s2", "M/S^2": "m/s2",
+    "μg": "ug", "gs": "g", "Gs": "G", "mGs": "mG", "NM": "nm", "M/s": "m/s",
+    "M/s2": "m/s2", "M/s^2": "m/s2",
 }  # fmt: skip
 #: spelling with several meanings -> how each is written without doubt
 AMBIGUOUS = {
@@ -74,9 +77,11 @@ AMBIGUOUS = {
 #: what they are called in words
 SPOKEN = {
     "g_0": "standard gravity", "mg_0": "thousandth of standard gravity",
-    "ug_0": "millionth of standard gravity", "degC": "degree Celsius", "degF": "degree Fahrenheit",
-    "lbf": "pound of force", "ozf": "ounce of force", "N*m": "newton metre", "kN": "kilonewton",
-    "mgauss": "milligauss", "pound": "pound of mass", "ounce": "ounce of mass", "Gal": "gal (cm/s²)",
+    "ug_0": "millionth of standard gravity", "degC": "degree Celsius",
+    "degF": "degree Fahrenheit", "lbf": "pound of force", "ozf": "ounce of force",
+    "N*m": "newton metre", "kN": "kilonewton",
+    "mgauss": "milligauss", "pound": "pound of mass", "ounce": "ounce of mass",
+    "Gal": "gal (cm/s²)",
 }  # fmt: skip
 _COUNTS = "write the unit and the scale, the size of one count; or 1 for a plain number"
 #: what stands in the place of a unit and is none -> what to do
@@ -94,7 +99,7 @@ NO_UNITS = {
 #: what says that a number has no unit
 PLAIN = ("", "1", "-", "–", "—", "none", "None", "unitless", "dimensionless")
 ANGLES = ("radian", "degree", "turn", "arcminute", "arcsecond")
-ENERGIES = ("joule", "(watt*hour)", "(watt*second)")
+ENERGIES = ("joule", "watt*hour", "watt*second")
 #: alone they have an offset, in products they are differences
 TEMPERATURES = {
     "degree_Celsius": "delta_degree_Celsius", "degree_Fahrenheit": "delta_degree_Fahrenheit",

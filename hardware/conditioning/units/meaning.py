@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning.units import naming
+from simcompare.hardware.conditioning.units import naming, quantity
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap
 from simcompare.hardware.raw import RawColumn
@@ -62,11 +62,11 @@ def claims(work: Work) -> list[Claim]:
 
 
 def _claim(column: RawColumn, wish: ChannelMap | None, name: str) -> Claim:
-    unit = naming.unit_text(f"{column.name} {name}", wish.unit if wish else column.unit)
+    unit = quantity.meant(f"{column.name} {name}", wish.unit if wish else column.unit)
     scale = wish.sign * wish.scale if wish else 1.0
     added = wish.offset if wish else 0.0
     try:
-        factor, offset, si = units.si_of(unit, "") if unit not in ("", "g") else (1.0, 0.0, "")
+        factor, offset, si = units.si_of(unit, "") if unit else (1.0, 0.0, "")
     except InputError:
         factor, offset, si = 1.0, 0.0, ""
     return Claim(
@@ -95,10 +95,11 @@ def take(
         divisor: of the raw numbers.
     """
     work.repair("unit_mistake", text, channel=claim.column.name, before=before, after=after)
-    _reread(work, claim, unit, divisor)
+    reread(work, claim, unit, divisor)
 
 
-def _reread(work: Work, claim: Claim, unit: str, divisor: float) -> None:
+def reread(work: Work, claim: Claim, unit: str, divisor: float) -> None:
+    """The same without a record of a mistake."""
     column = claim.column
     if claim.wish is None:
         column.unit = unit

@@ -4,39 +4,32 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware import joints
+from simcompare.hardware.conditioning.units import quantity
+from simcompare.hardware.conditioning.units.left_out import UNKNOWN, left_out
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap, Mapping
-from simcompare.hardware.raw import IMPORT, RawColumn, RawStream
+from simcompare.hardware.raw import RawColumn, RawStream
 from simcompare.model.recording import Conversion
 
-#: columns whose name says that they measure an acceleration: there, g is no gram
-_ACCELERATION = re.compile(
-    r"acc|imu|specific.?force|(^|[_ ])a[xyz]?($|[_ ])|^g[xyz]?force", re.IGNORECASE
-)
 #: what the times of a stream are called
 CLOCK = "time_s"
-_NO_ACCELERATION = re.compile(r"gyr|mag|ang|rate|accura", re.IGNORECASE)
 
 
 def prepare(work: Work) -> None:
     """Settles which column is the time, and the units that the mapping or the name give."""
     stream = work.stream
     names = [column.name for column in stream.columns]
-    for name in dict.fromkeys(names):
-        if names.count(name) > 1:
-            work.fault("stands more than once; rename one of the columns", channel=name)
     _settle_time(work, names)
     if not len(stream):
         work.fault("holds no samples; expected at least two")
     for column in stream.columns:
-        _settle_unit(work, column)
+        _settle_unit(work, column, names)
 
 
 def _settle_time(work: Work, names: Sequence[str]) -> None:
@@ -64,7 +57,7 @@ def _increases(column: RawColumn) -> bool:
     return len(column.values) > 2 and bool((np.diff(column.values) > 0).all())
 
 
-def _settle_unit(work: Work, column: RawColumn) -> None:
+def _settle_unit(work: Work, column: RawColumn, names: Sequence[str]) -> None:
     wish, time = work.wishes(column), work.mapping.time
     if wish is not None:
         column.unit = wish.unit if wish.scale == 1.0 else column.unit
@@ -72,20 +65,14 @@ def _settle_unit(work: Work, column: RawColumn) -> None:
         column.kind = wish.kind or column.kind
     elif column.name == work.stream.time and time is not None and time.unit is not None:
         column.unit = time.unit
-    elif not column.unit:
+    elif not column.unit and not _is_index(column.name, names):
         column.unit = units.unit_of(column.name) if units.suffix_of(column.name) else ""
 
 
-def measures_acceleration(name: str) -> bool:
-    """Whether a name says that its column is an acceleration."""
-    return bool(_ACCELERATION.search(name)) and not _NO_ACCELERATION.search(name)
-
-
-def unit_text(name: str, unit: str) -> str:
-    """The unit as it is meant: in a column of accelerations g is standard gravity, no gram."""
-    if unit in ("g", "G", "mg") and _ACCELERATION.search(name):
-        return "g_0" if unit in ("g", "G") else "mg_0"
-    return unit
+def _is_index(name: str, names: Sequence[str]) -> bool:
+    """Whether the last letter counts, as in ``phase_A`` beside ``phase_B``, and is no unit."""
+    beside = [other[-2:] for other in names if other[:-1] == name[:-1] and other[-1:].isupper()]
+    return name[-1:].isupper() and any(end not in units.UNITS_BY_SUFFIX for end in beside)
 
 
 def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | None, str]]:
@@ -96,37 +83,52 @@ def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | No
     return [(None, slug(column.name))]
 
 
-def conversion(work: Work, column: RawColumn, wish: ChannelMap | None, name: str) -> Conversion:
-    """How a column becomes SI; a fault, or an empty channel, where its unit is not known."""
-    unit = unit_text(f"{column.name} {name}", wish.unit if wish else column.unit)
-    odd = _odd_unit(column.name) if not unit else ""
-    if odd and not work.mapping.channels:
-        work.fault(
-            f"has a unit that is not understood: {units.not_a_unit(odd)}", channel=column.name
-        )
-        return Conversion(column.name, odd, "", "", reason="has an unknown unit")
-    if not unit and work.mapping.channels:
-        return Conversion(column.name, "", "", "", reason="has no unit and is not in the mapping")
+def conversion(
+    work: Work, column: RawColumn, wish: ChannelMap | None, name: str, taken: Container[str] = ()
+) -> Conversion:
+    """How a column becomes SI, or why it is left out.
+
+    Args:
+        work: the stream; a unit of its mapping that is none is a fault.
+        column: one of its columns.
+        wish: what the mapping says of it.
+        name: of the channel, without unit.
+        taken: channels that are there already.
+    """
+    given = wish.unit if wish else column.unit or _odd_unit(column.name)
+    unit = quantity.meant(f"{column.name} {name}", given)
     if not unit:
-        work.unitless.append(column.name)
-        return Conversion(column.name, "", "", "", reason="has no unit")
+        return left_out(column, name, UNKNOWN, "1")
     try:
-        if unit == "g":
-            raise InputError("", ["'g' may be gram or standard gravity; write gram or g_0"])
         factor, offset, si_unit = units.si_of(unit, "")
     except InputError as error:
-        work.fault("; ".join(error.faults), channel=column.name)
-        return Conversion(column.name, unit, "", "", reason="has an unknown unit")
+        wrong = "; ".join(error.faults)
+        if wish:
+            work.fault(wrong, channel=column.name)
+        several = units.ways(unit)
+        return left_out(column, name, wrong, several[-1] if len(several) > 1 else "1")
+    wrong = "" if wish else quantity.contradiction(column.name, si_unit)
+    if wrong:
+        return left_out(column, name, wrong, unit)
     scale, sign = (wish.scale, wish.sign) if wish else (1.0, 1)
     added = wish.offset if wish else 0.0
-    suffix = units.suffix_for(si_unit)
-    full = name if not suffix or name.endswith(suffix) else f"{name}{suffix}"
-    reason = "mapping" if wish else ""
-    if full == CLOCK:  # the times of the stream are called so
-        full, reason = f"recorded_{CLOCK}", f"{CLOCK} is the name of the clock"
+    full, reason = _called(name, units.suffix_for(si_unit), taken)
     return Conversion(
-        column.name, unit, full, si_unit, sign * scale * factor, added * factor + offset, reason
-    )
+        column.name, unit, full, si_unit, sign * scale * factor, added * factor + offset,
+        reason or ("mapping" if wish else ""),
+    )  # fmt: skip
+
+
+def _called(name: str, suffix: str, taken: Container[str]) -> tuple[str, str]:
+    """Name of a channel with its unit, and why it is not as in the log."""
+    stem = name.removesuffix(suffix) if suffix else name
+    wanted = f"{stem}{suffix}"
+    if wanted == CLOCK:  # the times of the stream are called so
+        return f"recorded_{CLOCK}", f"{CLOCK} is the name of the clock"
+    full, number = wanted, 2
+    while full in taken:
+        full, number = f"{stem}_{number}{suffix}", number + 1
+    return full, "" if full == wanted else f"another column is {wanted}"
 
 
 def _odd_unit(name: str) -> str:
@@ -142,24 +144,6 @@ def unit_faults(work: Work) -> list[str]:
         for wish, name in channels_of(work, column):
             conversion(work, column, wish, name)
     return [fault for fault in work.faults[before:] if fault not in work.faults[:before]]
-
-
-def without_unit(works: Sequence[Work]) -> list[str]:
-    """One fault for all columns whose unit is not known anywhere."""
-    open_ = {c.name: c for w in works for c in w.data if c.name in w.unitless and c.joint}
-    asked = [joints.question([*open_.values()])] if open_ else []
-    unitless = dict.fromkeys(name for work in works for name in work.unitless)
-    names = [name for name in unitless if name not in open_]
-    if not names:
-        return asked
-    shown = ", ".join(repr(name) for name in names[:8]) + (" …" if len(names) > 8 else "")
-    have = "column has" if len(names) == 1 else "columns have"
-    return [
-        *asked,
-        f"{len(names)} {have} no unit, neither in the name nor in the file: {shown};"
-        f" {IMPORT} --template > map.yaml writes a mapping file with a line for each:"
-        " put the units in and give it with --map",
-    ]
 
 
 def unused(mapping: Mapping, streams: Sequence[RawStream]) -> list[str]:

@@ -21,7 +21,7 @@ from simcompare.hardware.conditioning.units.meaning import (
     title,
     triads,
 )
-from simcompare.hardware.conditioning.units.naming import measures_acceleration
+from simcompare.hardware.conditioning.units.quantity import measures_acceleration
 from simcompare.hardware.conditioning.units.rest import rest
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import IMPORT

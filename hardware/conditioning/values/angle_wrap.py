@@ -10,7 +10,7 @@ import math
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.clock import intervals
-from simcompare.hardware.conditioning.units import naming
+from simcompare.hardware.conditioning.units import quantity
 from simcompare.hardware.conditioning.values import counter_wrap
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import RawColumn
@@ -35,7 +35,7 @@ def check(work: Work) -> None:
 def _turn(work: Work, column: RawColumn) -> float | None:
     """A full turn in the numbers of the column, ``None`` where it is no angle."""
     wish = work.wishes(column)
-    text = naming.unit_text(column.name, wish.unit if wish is not None else column.unit)
+    text = quantity.meant(column.name, wish.unit if wish is not None else column.unit)
     if not text:
         return None
     try:

@@ -1,0 +1,66 @@
+"""Columns in g whose length is 1 at rest: gravity, and no gram."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from simcompare import units
+from simcompare.hardware.conditioning.units import quantity
+from simcompare.hardware.conditioning.units.meaning import Claim, claims, reread, title, triads
+from simcompare.hardware.conditioning.units.rest import rest
+from simcompare.hardware.conditioning.work import Work
+
+#: how far it may be from 1; sheets of cheap sensors allow 0.17 g of offset and scale together
+_TOLERANCE = 0.15
+#: as many of each unit are one g
+_IN = {"g_0": 1.0, "mg_0": 1e3, "ug_0": 1e6}
+_AXIS = re.compile(r"(?:^|[^a-z])[xyz](?:$|[^a-z])")
+
+
+def check(work: Work) -> None:
+    """Takes g, mg and their like as gravity where the values say so, with a note."""
+    if len(work.time_s) < 2:
+        return
+    for group in _groups([claim for claim in claims(work) if not claim.si and _gravity_of(claim)]):
+        size = _size_at_rest(work, group)
+        unit = _gravity_of(group[0])
+        if abs(size / _IN[unit] - 1) > _TOLERANCE:
+            continue
+        was = group[0].unit
+        for claim in group:
+            reread(work, claim, unit, 1.0)
+        work.info(
+            "gravity_unit",
+            f"{title(group)} in {was}: at rest their length is {size:.4g}, as that of gravity is;"
+            " taken as gravity, not as a mass",
+            channel=group[0].column.name, after={"rest": size},
+        )  # fmt: skip
+
+
+def _gravity_of(claim: Claim) -> str:
+    """The unit of acceleration that an ambiguous unit may be, empty where it is none."""
+    return next((way for way in units.ways(claim.unit) if way in _IN), "")
+
+
+def _groups(undecided: Sequence[Claim]) -> list[Sequence[Claim]]:
+    """Vectors; or else all columns together, or one that is called an axis."""
+    found: list[Sequence[Claim]] = [*triads(undecided)]
+    used = {id(claim) for group in found for claim in group}
+    others = [c for c in undecided if id(c) not in used and not quantity.measured(c.column.name)]
+    alike = [c for c in others if c.unit == others[0].unit]
+    if len(alike) > 1 or (alike and _AXIS.search(alike[0].column.name.lower())):
+        found.append(alike)
+    return found
+
+
+def _size_at_rest(work: Work, group: Sequence[Claim]) -> float:
+    """Length at rest in the unit of the columns, 0 where it is not steady."""
+    at_rest = rest(work, group)
+    if at_rest is not None:
+        return at_rest.size if at_rest.steady else 0.0
+    lengths = np.linalg.norm([claim.values(slice(None)) for claim in group], axis=0)
+    low, middle, high = np.nanquantile(lengths, (0.1, 0.5, 0.9))
+    return float(middle) if high - low < 0.1 * middle else 0.0

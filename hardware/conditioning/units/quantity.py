@@ -1,0 +1,120 @@
+"""What a column measures, by its name, and which units that can have."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from simcompare import units
+from simcompare.errors import InputError
+
+#: SI units of a quantity -> words of names that say it
+_WORDS = {
+    ("1",): "humidity rh feuchte luftfeuchte luftfeuchtigkeit humidite",
+    ("K",): "temperature temperatures temp temperatur tair tambient",
+    ("N*m",): "torque drehmoment couple",
+    ("N", "N*m"): "moment",
+    ("N", "N*m", "kg"): "load",
+    ("N",): "force kraft thrust schub poussee",
+    ("Pa",): "pressure press druck luftdruck pression baro barometer",
+    ("V",): "voltage volt volts vbat vbatt vcc uout uin",
+    ("V", "Pa"): "spannung",
+    ("V", "N", "N*m"): "tension",
+    ("A",): "strom courant amperage ibat",
+    ("kg",): "mass masse",
+    ("kg", "N"): "weight gewicht poids",
+    ("rad",): "angle winkel roll yaw heading azimuth",
+    ("rad", "m"): "position pos",
+    ("m/s**2", "rad/s**2"): "acceleration accelerations accel accelerometer beschleunigung linacc"
+    " ax ay az accx accy accz",
+    ("m/s**2", "rad/s**2", "m"): "acc",
+    ("rad/s", "rad"): "gyro gyroscope gyr gyrx gyry gyrz",
+    ("rad/s",): "drehzahl rpm drehrate",
+    ("tesla",): "magnetometer mag magx magy magz magnetic magnetfeld field bx by bz",
+    ("m/s", "rad/s"): "speed velocity geschwindigkeit vitesse vel",
+    ("m",): "distance height altitude abstand weg hoehe displacement",
+    ("Hz", "rad/s"): "frequency frequenz frequence",
+    ("W",): "power leistung puissance",
+    ("J",): "energy energie",
+    ("A*s",): "charge ladung",
+}  # fmt: skip
+_QUANTITY = {word: si for si, words in _WORDS.items() for word in words.split()}
+#: units of which a name can say that it has another; what a sensor gives before it is calibrated
+#: (a voltage, a current, a plain number) and what belongs to a sample (a time) fits to any name
+_JUDGED = frozenset(
+    ("K", "N*m", "N", "Pa", "kg", "rad", "m", "m/s**2", "rad/s", "m/s", "tesla", "J", "W", "H",
+     "A*s", "kg*m/s", "m**2", "m**3")
+)  # fmt: skip
+#: words that make another quantity of one, or that mean two things
+_OTHERWISE = frozenset(
+    ("rate", "constant", "gradient", "per", "dot", "coefficient", "mag", "field", "by", "change")
+)
+#: names of a speed of rotation, whose numbers "1/s" are turns in a second
+_TURNS = frozenset(("n", "drehzahl", "speed", "rpm", "rev", "revs", "motor", "spindle", "wheel"))
+#: and of a rate of an angle, whose numbers "1/s" are radians in a second
+_RATES = frozenset(("omega", "w", "angular", "gyro", "gyr", "gyroscope", "winkelgeschwindigkeit"))
+#: names of what beats without turning
+_BEATS = frozenset(("heart", "hr", "puls", "pulse", "beat", "beats", "breath", "count", "rate"))
+#: columns whose name says that they measure an acceleration
+_ACCELERATION = re.compile(
+    r"acc|imu|specific.?force|(^|[_ ])a[xyz]?($|[_ ])|^g[xyz]?force", re.IGNORECASE
+)
+_NO_ACCELERATION = re.compile(r"gyr|mag|ang|rate|accura", re.IGNORECASE)
+_PER_SECOND = re.compile(r"1 ?/ ?s(?:ec)?|s\^?-1|s⁻¹")
+_PER_MINUTE = re.compile(r"1 ?/ ?min|min\^?-1|min⁻¹")
+
+
+def words(name: str) -> list[str]:
+    """Words of a name in small letters, however they are joined."""
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    split = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])", " ", plain)
+    return [word.lower() for word in re.findall(r"[A-Za-z]+", split)]
+
+
+def measures_acceleration(name: str) -> bool:
+    """Whether a name says that its column is an acceleration."""
+    return bool(_ACCELERATION.search(name)) and not _NO_ACCELERATION.search(name)
+
+
+def measured(name: str) -> frozenset[str]:
+    """SI units that a quantity of that name can have; none where the name does not say."""
+    said = frozenset(si for word in words(name) for si in _QUANTITY.get(word, ()))
+    return said | {"m/s**2"} if measures_acceleration(name) else said
+
+
+def meant(name: str, unit: str) -> str:
+    """A unit as it is meant in a column of that name; itself where the name does not decide."""
+    unit = _rate(name, unit)
+    several = units.ways(unit)
+    possible = measured(name)
+    fitting = [way for way in several if _si(way) in possible]
+    return fitting[0] if len(fitting) == 1 and len(several) > 1 else unit
+
+
+def contradiction(name: str, si: str) -> str:
+    """Why a quantity of that name cannot be in that SI unit, empty where it can."""
+    possible = measured(name)
+    if not possible or si in possible or si not in _JUDGED or _OTHERWISE & {*words(name)}:
+        return ""
+    named = " or ".join(_spoken(one) for one in sorted(possible))
+    return f"is in {_spoken(si)}, but by its name in {named}"
+
+
+def _spoken(si: str) -> str:
+    return "a plain number" if si == "1" else units.symbol(si)
+
+
+def _rate(name: str, unit: str) -> str:
+    said = {*words(name)}
+    if _PER_SECOND.fullmatch(unit.strip()):
+        return "rad/s" if said & _RATES else "turn/s" if said & _TURNS else unit
+    if _PER_MINUTE.fullmatch(unit.strip()) and said & _BEATS and not said & _TURNS:
+        return "bpm"
+    return unit
+
+
+def _si(unit: str) -> str:
+    try:
+        return units.si_of(unit, "")[2]
+    except InputError:
+        return ""

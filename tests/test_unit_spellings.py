@@ -1,0 +1,199 @@
+"""How logs write units: each spelling with its SI value, or refused; nothing read as another."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from simcompare import units
+from simcompare.errors import InputError
+from simcompare.hardware.conditioning.units import quantity
+
+G, DEG, RPM = 9.80665, math.pi / 180, math.pi / 30
+INCH, FOOT, LBF = 0.0254, 0.3048, 4.4482216152605
+OZF = LBF / 16
+
+#: SI unit -> one of each spelling, in it
+KNOWN = {
+    "m": {
+        1.0: "m meter metres Meter", 1e-3: "mm MM millimeter Millimeter", 1e-2: "cm CM centimetre",
+        1e-6: "um µm μm micrometer", 1e-9: "nanometer", 1e3: "km KM kilometer",
+        INCH: "in inch inches", FOOT: "ft feet foot", 1609.344: "mile mi",
+    },
+    "s": {
+        1.0: "s sec SEC Sec. seconds Sekunden secondes", 1e-3: "ms msec millis milliseconds"
+        " Millisekunden", 1e-6: "us µs μs usec micros microseconds", 1e-9: "ns nsec",
+        60.0: "min Min minutes", 3600.0: "h hr hours Stunden", 86400.0: "day days",
+    },
+    "m/s": {
+        1.0: "m/s|M/S|m s-1|m.s^-1|m·s⁻¹|mps|meters per second|m/sec",
+        1 / 3.6: "km/h|kph|km/hr|kmh",
+        1e-3: "mm/s", 0.44704: "mph", 1852 / 3600: "knots|kt|kts", FOOT: "ft/s|feet per second",
+    },
+    "m/s**2": {
+        1.0: "m/s2|m/s^2|m/s**2|m/s²|m·s⁻²|m.s-2|m s-2|m s^-2|m*s^-2|m/s/s|m/(s^2)|m/s^{2}|mpss"
+        "|meters per second squared|M/S^2",
+        G: "g_0|g0|gee", G / 1e3: "mg_0|millig_0|mgee", G / 1e6: "ug_0", 0.01: "Gal|cm/s2",
+        1e-5: "mGal", FOOT: "ft/s^2", 1e-3: "mm/s^2",
+    },
+    "rad": {
+        1.0: "rad|Radians|radian", 1e-3: "mrad", DEG: "deg|°|º|˚|Grad|degrees|Deg",
+        DEG / 1e3: "mdeg|m°",
+        2 * math.pi: "turn|turns|rev|revolutions", DEG / 60: "arcmin", DEG / 3600: "arcsec",
+    },
+    "rad/s": {
+        1.0: "rad/s|rad s-1|rad.s^-1|radians per second|RAD/S", 1e-3: "mrad/s",
+        DEG: "deg/s|°/s|º/s|dps|DPS|deg/sec|Grad/s|°·s⁻¹|degrees per second|Â°/s",
+        DEG / 1e3: "mdeg/s|mdps|m°/s", DEG / 3600: "deg/h|°/h",
+        RPM: "rpm|RPM|U/min|tr/min|r/min|rev/min|1/min|min^-1|min-1|min⁻¹|turn/min"
+        "|Umdrehungen pro Minute|tours/min|revolutions per minute",
+        1e3 * RPM: "krpm", 2 * math.pi: "rps|rev/s|turn/s",
+    },
+    "rad/s**2": {1.0: "rad/s²|rad/s^2", DEG: "deg/s^2|°/s²"},
+    "N": {
+        1.0: "N|Newton|newtons", 1e-3: "mN", 1e3: "kN", 10.0: "daN", G: "kgf|kp", G / 1e3: "gf",
+        LBF: "lbf", OZF: "ozf",
+    },
+    "N*m": {
+        1.0: "N*m|N.m|N-m|N·m|N m|Nm|Newton-meters|newton meters|N⋅m", 1e-3: "mNm|mN·m|Nmm|N*mm",
+        1e-2: "Ncm|cNm|N.cm", 1e3: "kNm|kN·m",
+        INCH * OZF: "oz-in|ozf.in|oz·in|ozf·in|ozf-in|oz-in.",
+        INCH * LBF: "in-lb|lb-in|in·lbf|lbf.in|in-lbs",
+        FOOT * LBF: "ft-lb|lb-ft|ft·lbf|lbf-ft|ft-lbs",
+        G / 100: "kgf.cm|kg-cm|kg·cm|kgf·cm|kgcm", G / 1e5: "g-cm|gf·cm",
+    },
+    "Pa": {
+        1.0: "Pa|pa|Pascal", 100.0: "hPa|hpa|mbar|mBar", 1e3: "kPa|KPa|kpa|kilopascal", 1e6: "MPa",
+        1e-3: "mPa", 1e5: "bar", 101325.0: "atm", 6894.757293168: "psi|lb/in2|lbf/in^2",
+        133.322387415: "mmHg|mm Hg", 98066.5: "kgf/cm2|kg/cm²",
+    },
+    "K": {1.0: "K|Kelvin"},
+    "V": {1.0: "V|Volt|VOLTS", 1e-3: "mV|millivolts", 1e-6: "uV|µV", 1e3: "kV"},
+    "A": {1.0: "A|Amp|amps", 1e-3: "mA", 1e-6: "uA|µA"},
+    "A*s": {1.0: "A*s|As|coulomb", 3600.0: "Ah", 3.6: "mAh"},
+    "tesla": {
+        1.0: "T|tesla", 1e-3: "mT", 1e-6: "uT|µT|μT|microTesla", 1e-9: "nT", 1e-4: "gauss|Gauss",
+        1e-7: "mgauss|milligauss",
+    },
+    "W": {1.0: "W|Watt|watts", 1e-3: "mW", 1e3: "kW", 735.49875: "PS"},
+    "J": {1.0: "J|Joules|Ws", 3600.0: "Wh", 3.6e6: "kWh", 1e-3: "mJ"},
+    "Hz": {1.0: "Hz|hz|1/s|s^-1|s-1|s⁻¹", 1e3: "kHz|khz", 1e6: "MHz|Mhz", 1 / 60: "bpm"},
+    "ohm": {1.0: "ohm|Ohm|Ω|Ω|ohms", 1e3: "kΩ|kOhm"},
+    "kg": {1.0: "kg|Kg|kilogram", 1e-3: "gram|grams", 453.59237e-3: "pound"},
+    "m**3": {1e-3: "L|l|liter", 1e-6: "mL|ml"},
+    "kg*m**2": {1.0: "kg*m2|kg-m2|kg m²|kg·m^2"},
+    "N*m/A": {1.0: "N*m/A|Nm/A"},
+    "N*m*s/rad": {1.0: "N*m*s/rad|N*m/(rad/s)"},
+    "1": {
+        1.0: "1|-|–|none", 0.01: "%|percent|%RH|% RH|%rH|%rF|% r.H.|Prozent",
+        1e-3: "‰", 1e-6: "ppm",
+    },
+}  # fmt: skip
+ROWS = [
+    (text, factor, si)
+    for si, factors in KNOWN.items()
+    for factor, spellings in factors.items()
+    for text in (spellings.split("|") if "|" in spellings or si not in ("m", "s") else
+                 spellings.split())
+]  # fmt: skip
+
+
+def test_the_table_is_long_enough_to_matter():
+    assert len({text for text, _, _ in ROWS}) >= 200
+
+
+@pytest.mark.parametrize(("text", "factor", "si"), ROWS)
+def test_a_spelling_has_its_value_in_si(text, factor, si):
+    found, offset, unit = units.si_of(text, "here")
+    # 1e-9: constants such as that of the pound are rounded here
+    assert (unit, offset, found) == (si, 0.0, pytest.approx(factor, rel=1e-9))
+
+
+@pytest.mark.parametrize(
+    "text", ["°C", "degC", "deg C", "ºC", "℃", "Celsius", "Grad Celsius", "Â°C"]
+)
+def test_degrees_of_celsius_have_their_offset(text):
+    assert units.si_of(text, "") == (pytest.approx(1.0), pytest.approx(273.15), "K")
+
+
+@pytest.mark.parametrize("text", ["°F", "degF", "deg F"])
+def test_degrees_of_fahrenheit_have_their_offset(text):
+    factor, offset, unit = units.si_of(text, "")
+    assert (100 * factor + offset, unit) == (pytest.approx(310.928, abs=1e-3), "K")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a", "k", "c", "e", "d", "t", "M", "Mg", "MS", "mS", "S", "S/s", "RH", "mhz", "MV", "U", "r",
+     "tr", "year", "J/kg K", "W/m.K", "m/s-1", "rad/s)", "m)", "2m", "furlong", "gradian", "fps",
+     "cd"],
+)  # fmt: skip
+def test_what_may_be_anything_is_no_unit(text):
+    with pytest.raises(InputError, match="is not a unit"):
+        units.si_of(text, "")
+
+
+@pytest.mark.parametrize(
+    ("text", "ways"),
+    [
+        ("g", "gram or g_0"), ("mg", "milligram or mg_0"), ("µg", "microgram or ug_0"),
+        ("G", "g_0 or gauss"), ("mG", "mg_0 or mgauss"), ("Gs", "g_0 or gauss"),
+        ("C", "degC or coulomb"), ("F", "degF or farad"), ("lb", "pound or lbf"),
+        ("lbs", "pound or lbf"), ("oz", "ounce or ozf"), ("nm", "nanometer or N[*]m"),
+        ("kn", "knot or kN"), ("gal", "Gal or gallon"),
+    ],
+)  # fmt: skip
+def test_a_spelling_of_two_units_is_asked_for_with_what_to_write(text, ways):
+    with pytest.raises(InputError, match=f"may be .* write {ways}$"):
+        units.si_of(text, "")
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("px", "unit: m, scale: metres per pixel"), ("px/s", "metres per pixel"),
+        ("LSB", "the size of one count"), ("counts", "the size of one count"),
+        ("bit", "the size of one count"), ("dB", "a level"), ("eRPM", "pole pairs"),
+    ],
+)  # fmt: skip
+def test_what_counts_is_told_what_to_write(text, hint):
+    with pytest.raises(InputError, match=hint):
+        units.si_of(text, "")
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "meant"),
+    [
+        ("ax", "mg", "mg_0"), ("a_x", "mg", "mg_0"), ("acc_z", "g", "g_0"), ("Acc X", "G", "g_0"),
+        ("mass", "mg", "milligram"), ("weight", "g", "gram"), ("Gewicht", "g", "gram"),
+        ("temp", "C", "degC"), ("T_motor temperature", "F", "degF"), ("magX", "mG", "mgauss"),
+        ("Bx", "G", "gauss"), ("thrust", "lbs", "lbf"), ("mass", "lb", "pound"),
+        ("weight", "lb", "lb"),
+        ("torque", "nm", "N*m"), ("wind speed", "kn", "knot"), ("force", "kn", "kN"),
+        ("Drehzahl", "1/s", "turn/s"), ("omega", "1/s", "rad/s"), ("heart rate", "1/min", "bpm"),
+        ("motor speed", "1/min", "1/min"), ("x", "g", "g"), ("x-axis", "mg", "mg"), ("n", "V", "V"),
+    ],
+)  # fmt: skip
+def test_the_name_of_a_column_decides_between_two_meanings(name, unit, meant):
+    assert quantity.meant(name, unit) == meant
+
+
+@pytest.mark.parametrize(
+    ("name", "si"),
+    [("humidity", "H"), ("temperature", "N*m"), ("Drehmoment", "K"), ("force", "m"), ("ax", "kg"),
+     ("pressure", "kg"), ("speed", "N"), ("Winkel", "m"), ("mass", "m/s**2"), ("power", "J")],
+)  # fmt: skip
+def test_a_quantity_cannot_have_just_any_unit(name, si):
+    assert "by its name" in quantity.contradiction(name, si)
+
+
+@pytest.mark.parametrize(
+    ("name", "si"),
+    [("torque", "V"), ("force", "1"), ("pressure", "A"), ("yaw rate", "rad/s"), ("acc time", "s"),
+     ("temperature gradient", "K/W"), ("torque constant", "N*m/A"),
+     ("moment of inertia", "kg*m**2"),
+     ("gyro temp", "K"), ("mag", "m/s**2"), ("position rate", "m/s"), ("hAcc", "m"), ("foo", "H")],
+)  # fmt: skip
+def test_what_a_sensor_gives_besides_is_not_refused(name, si):
+    assert quantity.contradiction(name, si) == ""
