@@ -7,7 +7,7 @@ a table that DuckDB keeps, these rules would be longer, so long columns lie in u
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
@@ -32,6 +32,15 @@ def blocks(count: int) -> Iterator[slice]:
     """Slices that cover ``count`` samples, each of at most ``BLOCK``."""
     for start in range(0, count, BLOCK):
         yield slice(start, min(start + BLOCK, count))
+
+
+def told_apart(names: Iterable[str]) -> list[str]:
+    """The names, each of them once: what stands again is ``t #2``, ``t #3``."""
+    made: list[str] = []
+    for name in names:
+        number = 1 + sum(1 for other in made if other == name or other.startswith(f"{name} #"))
+        made.append(name if name not in made else f"{name} #{number}")
+    return made
 
 
 def room(count: int) -> Array:

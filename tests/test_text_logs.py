@@ -161,7 +161,7 @@ def test_the_time_is_known_by_its_name_or_unit(read, head, name, unit):
 
 
 def test_two_columns_that_may_be_the_time_are_refused_until_a_mapping_says_which(faults, read):
-    text = "time,timestamp,x\n0,5,1\n1,6,2\n"
+    text = "time,timestamp,x\n0,5,1\n1,6,2\n2,9,2\n"
     assert faults(text) == (
         "columns 'time' and 'timestamp' may all be the time; say which in a mapping file (--map)"
         " with time: {column: time, unit: s}",

@@ -13,8 +13,8 @@ from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware import joints
 from simcompare.hardware.logs.text import cell as _cell
+from simcompare.hardware.logs.text import clocks, rostopic, sniff
 from simcompare.hardware.logs.text import dates as _dates
-from simcompare.hardware.logs.text import rostopic, sniff
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
 from simcompare.hardware.logs.text.sniff import Layout
@@ -66,7 +66,9 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     times = _time_columns(layout)
     layout = _with_integer_stamps(source, layout, times)
     joined = _date_and_clock(layout)
-    table = _table.read(source, layout, joined=joined is not None)
+    spare = {name for name, _ in layout.names} - _cell.wanted_names(mapping)
+    spare = spare - {layout.names[k][0] for k in times} if mapping.channels else set()
+    table = _table.read(source, layout, joined=joined is not None, spare=spare)
     repairs = [*source.repairs, *table.repairs]
     if not layout.header:
         text = f"there is no header; the columns are called {', '.join(n for n, _ in layout.names)}"
@@ -85,16 +87,24 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
 
 
 def _time_columns(layout: Layout) -> list[int]:
-    """Columns that may be the time by their name, or by being the only one in a unit of time."""
+    """Columns that may be the time by name and unit, or by being the only one in such a unit."""
     usable = [k for k, kind in enumerate(layout.kinds) if kind in ("number", "date")]
     ros = [k for k in usable if layout.names[k][0] == "field.header.stamp"]
     if ros:
         return ros
-    named = [k for k in usable if _cell.is_time(layout.names[k][0])]
-    if named:
-        return named
-    timed = [k for k in usable if layout.kinds[k] == "date" or _is_time_unit(layout.names[k][1])]
+    # T [Nm] is a torque, and beside t a T is a temperature
+    usable = [k for k in usable if not layout.names[k][1] or _in_time(layout, k)]
+    timed = [k for k in usable if _in_time(layout, k)]
+    for says_so in (clocks.is_time, clocks.may_be_time):
+        named = [k for k in usable if says_so(layout.names[k][0])]
+        if named:
+            return [k for k in named if layout.names[k] != ("T", "")] or named
+    timed = [k for k in timed if not clocks.is_span(layout.names[k][0])]
     return timed if len(timed) == 1 else []
+
+
+def _in_time(layout: Layout, k: int) -> bool:
+    return layout.kinds[k] == "date" or _is_time_unit(layout.names[k][1])
 
 
 def _is_time_unit(unit: str) -> bool:
@@ -146,13 +156,18 @@ def _time(
         names = [name for name in names if name not in joined] or [joined[1]]
     if mapping.time is not None and mapping.time.columns:
         names = [*mapping.time.columns]
-    if len(names) > 1:
-        raise InputError(label, [_cell.several_times(names)])
-    if not names or names[0] not in [column.name for column in table.columns]:
+    columns = [c for c in table.columns if c.name in names]
+    if not columns:
         return None, Clock("no clock")
-    column = next(c for c in table.columns if c.name == names[0])
-    k = next((k for k, (name, _) in enumerate(layout.names) if name == names[0]), -1)
-    column.unit = column.unit or _cell.unit_of_time(column.name)
+    column = clocks.same(columns) if len(columns) > 1 else columns[0]
+    if column is None:
+        raise InputError(label, [clocks.several_times(names)])
+    if len(columns) > 1:
+        others = ", ".join(repr(c.name) for c in columns if c is not column)
+        text = f"the clock is {column.name!r}; {others} tells the same time"
+        repairs.append(Repair("clock", INFO, text, channel=column.name))
+    k = next((k for k, (name, _) in enumerate(layout.names) if name == column.name), -1)
+    column.unit = column.unit or clocks.unit_of_time(column.name)
     start = _started(table, layout, column, k, repairs)
     return column.name, Clock(f"column {column.name}", start)
 

@@ -21,7 +21,7 @@ from typing import Protocol, cast
 from simcompare.errors import EngineMissing, InputError, NoSuchFile, SimcompareError, UnknownName
 from simcompare.hardware.logs import foreign
 from simcompare.hardware.mapping import Mapping
-from simcompare.hardware.raw import IMPORT, Head, RawLog
+from simcompare.hardware.raw import IMPORT, Head, RawLog, told_apart
 
 ENTRY_POINT_GROUP = "simcompare.importers"
 #: bytes by which a format is recognised
@@ -132,7 +132,12 @@ def read(path: Path, kind: str, mapping: Mapping) -> RawLog:
     """
     importer = get(kind)
     try:
-        return importer.read(path, mapping)
+        log = importer.read(path, mapping)
+        for stream in log.streams:  # so that a mapping can reach each column
+            names = told_apart(column.name for column in stream.columns)
+            for column, name in zip(stream.columns, names, strict=True):
+                column.name = name
+        return log
     except SimcompareError:
         raise
     except ModuleNotFoundError as error:

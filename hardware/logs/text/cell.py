@@ -9,8 +9,9 @@ from collections.abc import Collection, Iterable, Sequence
 import numpy as np
 
 from simcompare import units
-from simcompare.errors import InputError
+from simcompare.hardware.logs.text import clocks
 from simcompare.hardware.mapping import Mapping
+from simcompare.hardware.raw import told_apart
 from simcompare.model.trajectory import Array
 
 #: cells that say that nothing was measured
@@ -20,16 +21,21 @@ MISSING = (
 )  # fmt: skip
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
-_TIME = re.compile(
-    r"%?time|t|time ?stamps?|stamp|date ?/? ?time|date|zeit|temps|elapsed(?: time)?"
-    r"|(?:milli|micro|nano)?sec(?:ond)?s?|time of day|unix ?time|epoch|clock",
-    re.IGNORECASE,
-)
 #: characters of numbers that Python reads as logs mean them
 _PLAIN = b"0123456789.eE+- \t\n"
 _INFINITE = re.compile(r"([+-]?)(?:inf|infinity|1\.#inf|∞)", re.IGNORECASE)
-_BRACKETS = re.compile(r"(.*?)\s*[(\[{<]\s*([^()\[\]{}<>]*?)\s*[)\]}>]")
-_SLASH = re.compile(r"(.*?)\s+(?:/|in)\s+(\S+)")
+_BRACKETS = re.compile(r"(.*?)\s*[(\[{<]\s*((?:[^()\[\]{}<>]|\([^()]*\))*?)\s*[)\]}>]")
+#: what says that there is no unit
+_NO_UNIT = re.compile(r"(.*?)\s*(?:\[\s*([1–-]?)\s*\]|\(\s*([1–-]?)\s*\)|\{\s*(1?)\s*\})")
+_SLASH = re.compile(r"(.*?)(?:\s+/\s+|\s+in\s+|,\s+)(\S+)")
+#: quantity over unit, as German standards write it: t/s, v/(m/s)
+_DIN = re.compile(
+    r"([A-Za-zΑ-ω](?:\w?|_\w+)|alpha|beta|gamma|phi|theta|omega)/(\([^()]+\)|[^/()\s]+)"
+)
+#: a unit before the end of a name, where no word can be meant: acc (m/s²) x
+_WITHIN = re.compile(r"(.*?)\s*[(\[]\s*([^()\[\]]*[/°²^][^()\[\]]*)\s*[)\]]\s*(.+)")
+_ONE_LETTER = re.compile(r"(.*?)\s*[(\[{<]\s*(\w)\s*[)\]}>]")
+_SLASHED = re.compile(r"(.+)_([A-Za-z°µμ]+/[A-Za-z0-9^²*]+)")
 #: units that stand at the end of names, beside those of SI
 _SUFFIXES = {
     "deg": "deg", "deg_s": "deg/s", "dps": "deg/s", "rpm": "rpm", "rps": "turn/s", "um": "um",
@@ -37,31 +43,10 @@ _SUFFIXES = {
     "uA": "uA", "kPa": "kPa", "hPa": "hPa", "mbar": "mbar", "degC": "degC", "uT": "uT", "mT": "mT",
     "ms": "ms", "us": "us", "ns": "ns", "sec": "s", "Nm": "N*m", "mNm": "mN*m", "kHz": "kHz",
     "MHz": "MHz", "mW": "mW", "kW": "kW", "mN": "mN", "kN": "kN",
+    "g": "g", "mg": "mg", "mps": "m/s", "mps2": "m/s^2", "kmh": "km/h", "kph": "km/h",
+    "mph": "mph", "pct": "%", "percent": "%", "degF": "degF",
 }  # fmt: skip
 _SUFFIXED = re.compile(rf"(.+)_({'|'.join(sorted(_SUFFIXES, key=len, reverse=True))})")
-
-
-def is_time(name: str) -> bool:
-    """Whether a column holds the time, by its name: ``time_s`` as well as ``Time``."""
-    bare = name.strip(" _").removesuffix("_s")
-    return bool(_TIME.fullmatch(bare.replace("_", " ")))
-
-
-def unit_of_time(name: str) -> str:
-    """Unit of a column that is called by it ("seconds", ``time_s``), empty otherwise."""
-    if name.strip().endswith("_s"):
-        return "s"
-    match = re.fullmatch(r"(milli|micro|nano)?sec(?:ond)?s?", name.strip().lower())
-    return {None: "s", "milli": "ms", "micro": "us", "nano": "ns"}[match[1]] if match else ""
-
-
-def several_times(names: Sequence[str]) -> str:
-    """What to say where several columns may be the time."""
-    quoted = " and ".join(repr(name) for name in names[:4])
-    return (
-        f"columns {quoted} may all be the time; say which in a mapping file (--map) with"
-        f" time: {{column: {names[0]}, unit: s}}"
-    )
 
 
 def wanted_names(mapping: Mapping) -> set[str]:
@@ -115,33 +100,36 @@ def flags(cells: Iterable[str]) -> Array | None:
 
 
 def is_unit(text: str) -> bool:
-    """Whether a text is a unit that the program knows; a bare number is an index, no unit."""
-    if not text or text.isdigit() or len(text) > 20:
-        return False
-    try:
-        units.si_of(text, "")
-    except InputError:
-        return False
-    return True
+    """Whether a text is written for a unit; a bare number is an index, no unit."""
+    return not (text.isdigit() or text in ("", "-")) and units.is_written(text)
 
 
 def heading(text: str) -> tuple[str, str]:
-    """Name and unit of a column: ``acc (m/s^2)``, ``acc [g]``, ``t / s``, ``C1 in V``, ``t_ms``."""
+    """Name and unit of a column: ``acc (m/s^2)``, ``acc [g]``, ``t / s``, ``U/V``, ``t_ms``."""
     text = " ".join(text.split())
-    for pattern in (_BRACKETS, _SLASH):
+    match = _BRACKETS.fullmatch(text)
+    if match and clocks.may_be_time(match[1]) and clocks.spelled(match[2]):
+        return match[1].strip(), clocks.spelled(match[2])
+    for pattern in (_BRACKETS, _NO_UNIT, _SLASH, _SLASHED):
         match = pattern.fullmatch(text)
-        if match and match[1] and is_unit(match[2]):
-            return match[1].strip(), match[2]
+        if match and match[1] and (pattern is _NO_UNIT or is_unit(match[2])):
+            return match[1].strip(" /") or text, ("1" if pattern is _NO_UNIT else match[2])
     match = _SUFFIXED.fullmatch(text)
     if match:
         return match[1], _SUFFIXES[match[2]]
+    match = _WITHIN.fullmatch(text)
+    if match and is_unit(match[2]):
+        return f"{match[1]} {match[3]}", match[2]
+    match = None if is_unit(text) else _DIN.fullmatch(text)
+    if match and is_unit(match[2].strip("()")):
+        return match[1], match[2].strip("()")
     return text, ""
 
 
 def headings(
     cells: Sequence[str], units_below: Sequence[str] = (), keep: Collection[str] = ()
 ) -> list[tuple[str, str]]:
-    """Names and units of all columns.
+    """Names and units of all columns, each name once.
 
     Args:
         cells: the header, cell by cell.
@@ -149,18 +137,31 @@ def headings(
         keep: names that a mapping uses; a heading that is one of them stays whole.
     """
     heads = []
-    for i, cell in enumerate(cells):
-        full = " ".join(cell.split())
+    fulls = [" ".join(cell.split()) for cell in cells]
+    for i, full in enumerate(fulls):
         name, unit = heading(full)
-        below = units_below[i].strip(" ()[]{}<>") if i < len(units_below) else ""
+        below = units_below[i] if i < len(units_below) else ""
+        below = below.strip(" ()[]{}<>") or ("1" if below.strip() else "")
         if below:
             name, unit = full, below
-        elif full in keep:
-            name = full
+        elif full in keep or _counts(full, fulls):
+            name, unit = full, "" if _counts(full, fulls) else unit
         heads.append((name or f"column_{i + 1}", unit, full))
-    names = [name for name, _, _ in heads]
     # two headings that differ in their unit alone stay whole
-    return [(full if names.count(name) > 1 and full else name, unit) for name, unit, full in heads]
+    whole = [
+        full if len({f for n, _, f in heads if n == name}) > 1 else name for name, _, full in heads
+    ]
+    return list(zip(told_apart(whole), (unit for _, unit, _ in heads), strict=True))
+
+
+def _counts(full: str, fulls: Sequence[str]) -> bool:
+    """Whether the ``[1]`` of a heading counts, beside ``[2]``, or the ``(A)`` beside ``(B)``."""
+    match = _ONE_LETTER.fullmatch(full)
+    if match is None:
+        return False
+    both = [_ONE_LETTER.fullmatch(other) for other in fulls]
+    others = {one[2] for one in both if one and one[1] == match[1]} - {match[2]}
+    return any(other.isdigit() or not is_unit(other) for other in others)
 
 
 def about_of(lines: Sequence[str]) -> dict[str, str]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
+from simcompare.hardware.logs.text import clocks
 from simcompare.hardware.logs.text import dates as _dates
 from simcompare.hardware.logs.text.state import Faults
 from simcompare.hardware.mapping import Mapping
@@ -92,7 +93,9 @@ def _notice(content: _Seen, value: Any) -> None:  # noqa: ANN401
 
 
 def _is_date(name: str, content: _Seen) -> bool:
-    return _cell.is_time(name.rpartition(".")[2]) and _dates.style_of([content.example]) is not None
+    return (
+        clocks.is_time(name.rpartition(".")[2]) and _dates.style_of([content.example]) is not None
+    )
 
 
 def _time_of(where: str, names: list[str], mapping: Mapping) -> str | None:
@@ -100,9 +103,9 @@ def _time_of(where: str, names: list[str], mapping: Mapping) -> str | None:
     if mapping.time is not None:
         wanted = {*mapping.time.columns}
         return next((n for n in names if wanted & {n, short[n]}), None)
-    times = [name for name in names if _cell.is_time(short[name].rpartition(".")[2])]
+    times = [name for name in names if clocks.is_time(short[name].rpartition(".")[2])]
     if len(times) > 1:
-        raise InputError(where, [_cell.several_times(times)])
+        raise InputError(where, [clocks.several_times(times)])
     return times[0] if times else None
 
 

@@ -136,6 +136,8 @@ class State:
         words = {
             "blank_line": (INFO, "empty lines were passed over"),
             "comment_line": (INFO, "remarks between the rows were passed over"),
+            "remark_line": (REPAIR, "lines of words, without numbers, were passed over"),
+            "ragged_row": (REPAIR, "rows with more or fewer cells than the others were left out"),
             "header_repeated": (REPAIR, "the header stands again between the rows; left out"),
         }
         for rule, lines in self.skipped.items():

@@ -8,7 +8,7 @@ but takes short rows and empty lines in silence: it could only stand beside this
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import dates
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.marks import doubt, mark_of
-from simcompare.hardware.logs.text.sniff import COMMENTS, Layout, split
+from simcompare.hardware.logs.text.sniff import COMMENTS, Layout, kind_of, split
 from simcompare.hardware.logs.text.state import Faults, State, Table
 from simcompare.hardware.raw import RawColumn, Spool
 from simcompare.model.trajectory import Array
@@ -32,32 +32,48 @@ _WHOLE = re.compile(r"\s*[+-]?\d{1,19}\s*", re.ASCII)
 _COMPARED, _MIN_COMPARED = 100, 5
 _DAY_NS = 86_400 * 10**9
 
-#: what is no row or number: its line, its column (-1 for the whole line), and the cell or the fault
+#: whole lines that are no rows, by the column that they stand for in the place of one
+_LONG, _RAGGED, _REMARK = -3, -2, -1
+#: those that are passed over where they are few, and what that is called
+_PASSED_OVER = {_RAGGED: "ragged_row", _REMARK: "remark_line"}
+#: lines among the rows that are few
+_FEW = 0.05
+#: what is no row or number: its line, its column (below 0 for a whole line), the cell or the fault
 _Odd = tuple[int, int, str]
 
 
-def read(source: _source.Source, layout: Layout, *, joined: bool = False) -> Table:
+def read(
+    source: _source.Source, layout: Layout, *, joined: bool = False, spare: Collection[str] = ()
+) -> Table:
     """Reads all rows.
 
     Args:
         source: the text.
         layout: how it is written.
         joined: whether a column of dates goes with one of times of day, which then do not wrap.
+        spare: columns that nobody asks for; one that holds a fault is left out.
 
     Raises:
         InputError: rows that cannot be read (20 of them by name), or none at all.
     """
-    reader = _Reader(source, layout, joined)
+    reader = _Reader(source, layout, joined, spare)
     return reader.table()
 
 
 class _Reader:
-    def __init__(self, source: _source.Source, layout: Layout, joined: bool) -> None:
+    def __init__(
+        self, source: _source.Source, layout: Layout, joined: bool, spare: Collection[str]
+    ) -> None:
         self.source, self.layout, self.joined = source, layout, joined
         self.header = layout.header.strip()
         self.state, self.faults = State(), Faults(source.label)
+        self.last_row = 0
         self.spool: Spool | None = None
         self.used = [k for k, kind in enumerate(layout.kinds) if kind not in ("text", "empty")]
+        self.spare = {k for k, (name, _) in enumerate(layout.names) if name in spare}
+        self.odd: list[_Odd] = []
+        self.filled: set[int] = set()  # columns that hold a number so far
+        self.left: dict[int, _Odd] = {}  # columns that are left out, for what stands in them
 
     def table(self) -> Table:
         state, layout = self.state, self.layout
@@ -65,10 +81,11 @@ class _Reader:
             if layout.stop_line and block.line > layout.stop_line:
                 break
             self._take(block)
-            if self.faults.count > _MAX_FAULTS:
+            if len(self.odd) > _MAX_FAULTS:
                 break
+        self._settle_odd()
         self._check_dates()
-        self.faults.finish("at least " if self.faults.count > _MAX_FAULTS else "")
+        self.faults.finish("at least " if len(self.odd) > _MAX_FAULTS else "")
         if self.spool is None or not len(self.spool):
             raise InputError(
                 self.source.label,
@@ -82,7 +99,6 @@ class _Reader:
         """Adds the rows of one block."""
         rows: list[list[str]] = []
         numbers: list[int] = []
-        odd: list[_Odd] = []
         stop = self.layout.stop_line
         lines = block.lines[: stop - block.line + 1] if stop else block.lines
         last = block.line + len(block.lines) - 1
@@ -97,16 +113,29 @@ class _Reader:
             if at == last and not block.ended and self._is_cut_off(at, line, cells):
                 continue
             if len(line) > _MAX_ROW:
-                odd.append((at, -1, f"has {len(line.encode())} bytes, which is no row of a table"))
+                size = len(line.encode())
+                self.odd.append((at, _LONG, f"has {size} bytes, which is no row of a table"))
             elif len(cells) != len(self.layout.kinds):
-                odd.append((at, -1, f"has {len(cells)} cells, expected {len(self.layout.kinds)}"))
+                fault = f"has {len(cells)} cells, expected {len(self.layout.kinds)}"
+                self.odd.append((at, _REMARK if _is_remark(cells) else _RAGGED, fault))
             else:
                 rows.append(cells)
                 numbers.append(at)
         if rows:
-            self._add(rows, numbers, odd)
-        for fault in sorted(odd):
-            self.faults.add(self._fault(*fault))
+            self._add(rows, numbers)
+
+    def _settle_odd(self) -> None:
+        """Lines that are no rows are passed over where they are few; all else is a fault."""
+        count = 0 if self.spool is None else len(self.spool)
+        lines = [(line, k) for line, k, _ in self.odd if k in _PASSED_OVER]
+        end = self.last_row
+        between = [line for line, k in lines if k != _REMARK or line < end]
+        if len(lines) < len(self.odd) or len(between) > count * _FEW:
+            for fault in sorted(self.odd):
+                self.faults.add(self._fault(*fault))
+            return
+        for line, k in lines:
+            self.state.skip(_PASSED_OVER[k], line)
 
     def _skipped(self, line: str) -> str:
         bare = line.strip()
@@ -120,6 +149,8 @@ class _Reader:
         width = len(self.layout.kinds)
         while len(cells) > width and not cells[-1].strip():
             cells.pop()
+        if len(cells) > width and self.layout.kinds[-1] == "text":  # a text with separators
+            return cells[:width]
         return cells + [""] * (width - len(cells)) if self.layout.short_rows else cells
 
     def _is_cut_off(self, at: int, line: str, cells: Sequence[str]) -> bool:
@@ -160,17 +191,33 @@ class _Reader:
 
     # ---- rows become numbers --------------------------------------------------------------------
 
-    def _add(self, rows: list[list[str]], numbers: list[int], odd: list[_Odd]) -> None:
+    def _add(self, rows: list[list[str]], numbers: list[int]) -> None:
         if not self.layout.decided:
             self._decide(rows)
         columns = list(zip(*rows, strict=True))
+        odd: list[_Odd] = []
         parts = [self._column(k, columns[k], numbers, odd) for k in self.used]
         if odd:
+            self._add_without_remarks(rows, numbers, odd)
             return
+        self.last_row = numbers[-1]
         values = np.column_stack(parts)
         if self.spool is None:
             self.spool = Spool(values.shape[1])
         self.spool.append(values)
+
+    def _add_without_remarks(
+        self, rows: list[list[str]], numbers: list[int], odd: list[_Odd]
+    ) -> None:
+        """Adds the rows but those that only hold words and empty cells."""
+        cells = dict(zip(numbers, rows, strict=True))
+        remarks = {line for line, _, _ in odd if _is_remark(cells[line]) and "" in cells[line]}
+        self.odd += [(line, _REMARK, "holds words, no numbers") for line in sorted(remarks)]
+        self.odd += [fault for fault in odd if fault[0] not in remarks]
+        if all(line in remarks for line, _, _ in odd):
+            kept = [line for line in numbers if line not in remarks]
+            if kept:
+                self._add([cells[line] for line in kept], kept)
 
     def _decide(self, rows: list[list[str]]) -> None:
         """The first number with a mark that can only be the decimal one decides which it is."""
@@ -187,16 +234,26 @@ class _Reader:
         """The values of all cells of a column; those that are odd are noted."""
         made = self._values(k, cells, numbers)
         if made is not None:
+            if k not in self.filled and np.isfinite(made).any():
+                self.filled.add(k)
+                odd += [self.left.pop(k)] if k in self.left and k not in self.spare else []
             return made
         one_by_one = [
             self._values(k, cells[i : i + 1], numbers[i : i + 1]) for i in range(len(cells))
         ]
-        odd += [
+        wrong = [
             (number, k, cell)
             for number, cell, value in zip(numbers, cells, one_by_one, strict=True)
             if value is None
         ]
-        return np.concatenate([value for value in one_by_one if value is not None] or [np.empty(0)])
+        known = [value for value in one_by_one if value is not None]
+        empty = k not in self.filled and not any(np.isfinite(value).any() for value in known)
+        if k in self.spare or (self.layout.kinds[k] == "number" and empty):
+            self.left.setdefault(k, wrong[0])
+            shape = (len(cells), self.state.lengths.get(k, 1))
+            return np.full(shape if self.layout.kinds[k] == "list" else len(cells), np.nan)
+        odd += wrong
+        return np.concatenate(known or [np.empty(0)])
 
     def _values(self, k: int, cells: Sequence[str], numbers: list[int]) -> Array | None:
         """The values of some cells, ``None`` where one is odd."""
@@ -249,7 +306,7 @@ class _Reader:
         return None if values is None else values.reshape(len(parts), length)
 
     def _fault(self, line: int, k: int, cell: str) -> str:
-        """The fault of one cell, or of a whole line (``k`` is -1)."""
+        """The fault of one cell, or of a whole line (``k`` is below 0)."""
         if k < 0:
             return f"line {line}: {cell}"
         layout, name = self.layout, self.layout.names[k][0]
@@ -292,6 +349,10 @@ class _Reader:
             elif kind in ("text", "empty"):
                 text = self._example(k)
                 ignored[name or f"column_{k + 1}"] = text if kind == "text" else "is empty"
+            elif k in self.left:
+                next(arrays_left)
+                line, _, cell = self.left[k]
+                ignored[name] = f"holds text such as {cell.strip()[:60]!r} (line {line})"
             else:
                 columns.append(RawColumn(name, next(arrays_left), "s" if kind == "date" else unit))
         origins = {layout.names[k][0]: origin for k, origin in state.origins.items()}
@@ -303,6 +364,11 @@ class _Reader:
         line = self.source.head[min(self.layout.first_line, len(self.source.head)) - 1]
         cells = split(line, self.layout.separator)
         return f"holds text such as {cells[k].strip()[:40]!r}" if k < len(cells) else "holds text"
+
+
+def _is_remark(cells: Sequence[str]) -> bool:
+    """Whether a line only holds words, so that no measured value is lost with it."""
+    return not any(kind_of(cell) in ("number", "date", "list") for cell in cells)
 
 
 def _decimals(cell: str, mark: str) -> int:

@@ -1,0 +1,105 @@
+"""Which column of a text table is its time, by names, units and values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from simcompare.hardware.raw import RawColumn
+from simcompare.model.trajectory import Array
+
+_TIME = re.compile(
+    r"%?time|t|time ?stamps?|stamp|date ?/? ?time|date|zeit|temps|elapsed(?: time)?|millis|micros"
+    r"|ms|us|(?:milli|micro|nano)?sec(?:ond)?s?|time of day|unix ?time|epoch|clock|zeitstempel"
+    r"|uhrzeit|datum|horodatage|tiempo|tempo",
+    re.IGNORECASE,
+)
+#: what is a time where no column is called one plainly
+_ALSO_TIME = re.compile(
+    r"(?:.* )?(?:time|timestamp|time stamp|zeit|zeitstempel|temps|elapsed|epoch?|seconds?|secs?"
+    r"|millis|micros|tiempo)(?: (?:elapsed|stamp|utc|gmt|local|unix|s|ms|us|ns|nsec|start"
+    r"|since start|from start))?",
+    re.IGNORECASE,
+)
+#: spans of time that are no clock
+_SPANS = re.compile(r"delta|\bd ?t\b|period|delay|duration|rise|response|exposure|step|run", re.I)
+_SECONDS = re.compile(r"(milli|micro|nano)?(?:sec(?:ond)?s?|s)(?: elapsed)?")
+_IN_WORDS = {None: "s", "milli": "ms", "micro": "us", "nano": "ns"}
+#: units of time in letters of any size: nobody logs siemens against time
+_ANY_CASE = {"s": "s", "sec": "s", "ms": "ms", "msec": "ms", "us": "us", "µs": "us", "μs": "us",
+             "ns": "ns", "d": "day"}  # fmt: skip
+
+
+def is_time(name: str) -> bool:
+    """Whether a column holds the time, by its name: ``time_s`` as well as ``Time``."""
+    return bool(_TIME.fullmatch(_bare(name)))
+
+
+def may_be_time(name: str) -> bool:
+    """Whether a name speaks of a clock, such as ``device_time`` and ``epoc``."""
+    return bool(_ALSO_TIME.fullmatch(_bare(name))) and not is_span(name)
+
+
+def is_span(name: str) -> bool:
+    """Whether a name speaks of how long something takes, and not of when it was."""
+    return bool(_SPANS.search(_bare(name)))
+
+
+def _bare(name: str) -> str:
+    """A name without its unit and without its number among its like."""
+    name = re.sub(r" #\d+$", "", name).strip(" _").removesuffix("_s")
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).replace("_", " ")
+
+
+def unit_of_time(name: str) -> str:
+    """Unit of a column that is called by it ("seconds", ``time_s``), empty otherwise."""
+    bare = name.strip().lower().replace("_", " ")
+    if bare.endswith(" s") or bare in ("ms", "us", "millis", "micros"):
+        return {"ms": "ms", "millis": "ms", "us": "us", "micros": "us"}.get(bare, "s")
+    match = _SECONDS.fullmatch(bare) if bare != "s" else None
+    return _IN_WORDS[match[1]] if match else ""
+
+
+def spelled(unit: str) -> str:
+    """A unit of time whose letters have the wrong size, as it is meant; empty for another unit."""
+    return _ANY_CASE.get(unit.lower(), "")
+
+
+def several_times(names: Sequence[str]) -> str:
+    """What to say where several columns may be the time."""
+    quoted = " and ".join(repr(name) for name in names[:4])
+    return (
+        f"columns {quoted} may all be the time; say which in a mapping file (--map) with"
+        f" time: {{column: {names[0]}, unit: s}}"
+    )
+
+
+def same(columns: Sequence[RawColumn]) -> RawColumn | None:
+    """The finest of several columns that tell the same time, ``None`` where they do not."""
+    seconds = [_seconds(column, columns[0]) for column in columns]
+    first = seconds[0]
+    span = float(np.ptp(first)) if len(first) else 0.0
+    for one in seconds:
+        if not span > 0 or not np.isfinite(one).all():
+            return None
+        if np.max(np.abs(one - first)) > max(_step(one), _step(first)) * 1.01 + 1e-3 * span:
+            return None
+    distinct = [len(np.unique(one)) for one in seconds]
+    return columns[distinct.index(max(distinct))]
+
+
+def _step(seconds: Array) -> float:
+    """Smallest step that is none at all: how finely a clock is read."""
+    steps = np.abs(np.diff(seconds))
+    return float(np.min(steps[steps > 0], initial=np.inf))
+
+
+def _seconds(column: RawColumn, other: RawColumn) -> Array:
+    """From 0 at the first sample, in the unit, or the power of ten, that fits to another clock."""
+    values, reference = (c.values - c.values[0] for c in (column, other))
+    if not column.values.size or not np.ptp(values) > 0:
+        return np.full(len(values), np.nan)
+    ratio = float(np.ptp(reference) / np.ptp(values))
+    return np.asarray(values * 10.0 ** round(np.log10(ratio)) if ratio > 0 else values)
