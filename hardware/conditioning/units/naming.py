@@ -95,10 +95,10 @@ def conversion(
         name: of the channel, without unit.
         taken: channels that are there already.
     """
-    given = wish.unit if wish else column.unit or _odd_unit(column.name)
-    unit = quantity.meant(f"{column.name} {name}", given)
+    unit = quantity.meant(f"{column.name} {name}", wish.unit if wish else column.unit)
     if not unit:
-        return left_out(column, name, UNKNOWN, "1")
+        odd = _odd_unit(column.name)
+        return left_out(column, name, units.not_a_unit(odd) if odd else UNKNOWN, "1")
     try:
         factor, offset, si_unit = units.si_of(unit, "")
     except InputError as error:
@@ -134,7 +134,8 @@ def _called(name: str, suffix: str, taken: Container[str]) -> tuple[str, str]:
 def _odd_unit(name: str) -> str:
     """What stands in brackets at the end of a name, where a unit should."""
     match = re.search(r"[\[(]\s*([A-Za-zµμΩ°%][^()\[\]]{0,11}?)\s*[\])]\s*$", name)
-    return match[1] if match and " " not in match[1] else ""
+    odd = match[1] if match and " " not in match[1] else ""
+    return "" if units.is_written(odd) else odd  # a letter that counts, as in (A) beside (B)
 
 
 def unit_faults(work: Work) -> list[str]:
