@@ -180,7 +180,10 @@ def test_a_log_of_which_nothing_is_left_is_refused_with_one_line_that_opens_it(r
 
 def test_pixels_are_told_what_is_missing(read):
     made = read("t (s),x (px),u (V)\n" + rows(30, lambda i: i, lambda i: i))
-    assert left_out(made)["x"].reason == "'px' is no unit: write unit: m, scale: metres per pixel"
+    assert (
+        left_out(made)["x"].reason
+        == "'px' cannot be converted: write unit: m, scale: metres per pixel"
+    )
 
 
 def test_the_index_of_a_table_program_is_left_out(read):

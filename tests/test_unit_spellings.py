@@ -170,7 +170,9 @@ def test_what_counts_is_told_what_to_write(text, hint):
         ("temp", "C", "degC"), ("T_motor temperature", "F", "degF"), ("magX", "mG", "mgauss"),
         ("Bx", "G", "gauss"), ("thrust", "lbs", "lbf"), ("mass", "lb", "pound"),
         ("weight", "lb", "lb"),
-        ("torque", "nm", "N*m"), ("wind speed", "kn", "knot"), ("force", "kn", "kN"),
+        ("torque", "nm", "N*m"), ("wind speed", "kn", "knot"),
+        ("thrust", "g", "gf"), ("force", "kg", "kgf"), ("Motordrehmoment", "NM", "N*m"),
+        ("load", "g", "gram"), ("force", "kn", "kN"),
         ("Drehzahl", "1/s", "turn/s"), ("omega", "1/s", "rad/s"), ("heart rate", "1/min", "bpm"),
         ("motor speed", "1/min", "1/min"), ("x", "g", "g"), ("x-axis", "mg", "mg"), ("n", "V", "V"),
     ],
@@ -181,7 +183,8 @@ def test_the_name_of_a_column_decides_between_two_meanings(name, unit, meant):
 
 @pytest.mark.parametrize(
     ("name", "si"),
-    [("humidity", "H"), ("temperature", "N*m"), ("Drehmoment", "K"), ("force", "m"), ("ax", "kg"),
+    [("humidity", "H"), ("Motordrehmoment", "K"), ("temperature", "N*m"), ("Drehmoment", "K"),
+     ("force", "m"), ("ax", "kg"),
      ("pressure", "kg"), ("speed", "N"), ("Winkel", "m"), ("mass", "m/s**2"), ("power", "J")],
 )  # fmt: skip
 def test_a_quantity_cannot_have_just_any_unit(name, si):
@@ -197,3 +200,13 @@ def test_a_quantity_cannot_have_just_any_unit(name, si):
 )  # fmt: skip
 def test_what_a_sensor_gives_besides_is_not_refused(name, si):
     assert quantity.contradiction(name, si) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("motor_torque_nm", "N*m"), ("current_a", "A"), ("voltage_v", "V"), ("temp_c", "degC"),
+     ("Engine RPM", "RPM"), ("rpm", "rpm"), ("battery volts", "volts"), ("x_s", ""), ("enc_a", ""),
+     ("speed_set", ""), ("u_in", ""), ("pos_x", ""), ("angle_a", "")],
+)  # fmt: skip
+def test_a_name_may_say_its_unit_where_nothing_else_can_be_meant(name, unit):
+    assert quantity.unit_in_name(name) == unit

@@ -264,7 +264,7 @@ def not_a_unit(text: str) -> str:
         return f"{bare!r} may be {spoken}; write {' or '.join(several)}"
     none = table.NO_UNITS.get(bare.partition("/")[0])
     if none:
-        return f"{bare!r} is no unit: {none}"
+        return f"{bare!r} cannot be converted: {none}"
     near = [unit for unit in _USUAL if unit.lower() == bare.lower()] or (
         difflib.get_close_matches(bare, _USUAL, n=1, cutoff=0.6) if len(bare) > 1 else []
     )

@@ -36,19 +36,20 @@ WORDS = {
     "kilometer": "KM Km", "gram": "gram grams gramm gramme grammes", "kilogram": "kg kgs KG Kg",
     "tonne": "tonne tonnes", "newton": "newton newtons", "decanewton": "daN",
     "pascal": "pascal pascals pa", "hectopascal": "HPA HPa Hpa hpa",
-    "kilopascal": "KPA KPa Kpa kpa", "millibar": "mbar mb", "volt": "volt volts", "ampere":
-    "amp amps ampere amperes ampère", "watt": "watt watts", "joule": "joule joules",
+    "kilopascal": "KPA KPa Kpa kpa", "millibar": "mbar mb", "volt": "volt volts VDC VAC Vrms",
+    "ampere": "amp amps ampere amperes ampère", "watt": "watt watts", "joule": "joule joules",
     "hertz": "hertz hz HZ", "kilohertz": "KHz Khz khz", "megahertz": "Mhz", "tesla": "tesla",
     "kelvin": "kelvin kelvins", "ohm": "ohms", "radian": "rads radian radians radiant",
     "degree": "degree degrees degs grad", "arcminute": "arcmin", "arcsecond": "arcsec ″",
     "turn": "U tr r turns tour tours rev revs revolution revolutions rot umdr umdrehung"
     " umdrehungen", "standard_gravity": "g0 gn gees g_n gforce",
     "percent": "% pct percent prozent pourcent %rh %rf rh%", "permille": "‰ permille",
-    "ppm": "ppm", "degree_Celsius": "°C degC oC celsius",
+    "ppm": "ppm με microstrain ustrain", "degree_Celsius": "°C degC oC celsius",
     "degree_Fahrenheit": "°F degF fahrenheit", "inch": "in inch inches", "foot": "ft foot feet",
     "yard": "yd yard yards", "mile": "mi mile miles", "knot": "kt kts knot knots",
     "force_pound": "lbf", "force_ounce": "ozf", "force_kilogram": "kp kilopond",
-    "pound": "lb lbs pound", "ounce": "oz ounce", "psi": "psi", "standard_atmosphere": "atm",
+    "pound": "lb lbs pound", "ounce": "oz ounce", "psi": "psi", "(kip/inch**2)": "ksi",
+    "standard_atmosphere": "atm",
     "torr": "torr", "(1/minute)": "bpm",
     "millimeter_Hg": "mmHg", "inch_Hg": "inHg", "horsepower": "hp", "metric_horsepower": "PS",
     "(mile/hour)": "mph", "(kilometer/hour)": "kph kmh kmph", "(meter/second)": "mps",
@@ -64,7 +65,7 @@ WORDS = {
 #: what else is written for one of the next
 SAME = {
     "lbs": "lb", "LBS": "lb", "Lbs": "lb", "LB": "lb", "pounds": "lb", "ounces": "oz", "g's": "g",
-    "μg": "ug", "gs": "g", "Gs": "G", "mGs": "mG", "NM": "nm", "M/s": "m/s",
+    "G's": "g", "μg": "ug", "gs": "g", "Gs": "G", "mGs": "mG", "NM": "nm", "M/s": "m/s",
     "M/s2": "m/s2", "M/s^2": "m/s2",
 }  # fmt: skip
 #: spelling with several meanings -> how each is written without doubt
@@ -95,9 +96,11 @@ NO_UNITS = {
     **dict.fromkeys(
         ("ERPM", "eRPM", "erpm"),
         "a motor turns slower by its pole pairs: write unit: rpm, scale: 1/pole pairs"),
+    **dict.fromkeys(
+        ("lx", "lux", "a.u.", "au", "arb", "pH"), "no place for it; write 1 for a plain number"),
 }  # fmt: skip
 #: what says that a number has no unit
-PLAIN = ("", "1", "-", "–", "—", "none", "None", "unitless", "dimensionless")
+PLAIN = ("", "1", "-", "–", "—", "none", "None", "bool", "boolean", "unitless", "dimensionless")
 ANGLES = ("radian", "degree", "turn", "arcminute", "arcsecond")
 ENERGIES = ("joule", "watt*hour", "watt*second")
 #: alone they have an offset, in products they are differences

@@ -17,6 +17,7 @@ from simcompare.hardware.mapping import ChannelMap, Mapping
 from simcompare.hardware.raw import RawColumn, RawStream
 from simcompare.model.recording import Conversion
 
+_CAPITALS = {suffix.upper() for suffix in units.UNITS_BY_SUFFIX}
 #: what the times of a stream are called
 CLOCK = "time_s"
 
@@ -66,13 +67,15 @@ def _settle_unit(work: Work, column: RawColumn, names: Sequence[str]) -> None:
     elif column.name == work.stream.time and time is not None and time.unit is not None:
         column.unit = time.unit
     elif not column.unit and not _is_index(column.name, names):
-        column.unit = units.unit_of(column.name) if units.suffix_of(column.name) else ""
+        suffix = units.suffix_of(column.name)
+        column.unit = units.unit_of(column.name) if suffix else quantity.unit_in_name(column.name)
 
 
 def _is_index(name: str, names: Sequence[str]) -> bool:
     """Whether the last letter counts, as in ``phase_A`` beside ``phase_B``, and is no unit."""
-    beside = [other[-2:] for other in names if other[:-1] == name[:-1] and other[-1:].isupper()]
-    return name[-1:].isupper() and any(end not in units.UNITS_BY_SUFFIX for end in beside)
+    alike = [other for other in names if other[:-1] == name[:-1] and other != name]
+    beside = [other[-2:].upper() for other in alike]
+    return name[-2:-1] == "_" and any(end[1].isalpha() and end not in _CAPITALS for end in beside)
 
 
 def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | None, str]]:
@@ -80,7 +83,9 @@ def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | No
     wishes = work.mapping.of_column(work.stream.name, column.name)
     if wishes:
         return [(wish, name) for name, wish in wishes]
-    return [(None, slug(column.name))]
+    told = column.unit and quantity.unit_in_name(column.name) == column.unit
+    stem = re.split(r"[_ .](?=[^_ .]+$)", column.name)[0] if told else column.name
+    return [(None, slug(stem))]
 
 
 def conversion(
@@ -97,8 +102,9 @@ def conversion(
     """
     unit = quantity.meant(f"{column.name} {name}", wish.unit if wish else column.unit)
     if not unit:
-        odd = _odd_unit(column.name)
-        return left_out(column, name, units.not_a_unit(odd) if odd else UNKNOWN, "1")
+        unit = _odd_unit(column.name)
+    if not unit:
+        return left_out(column, name, UNKNOWN, "1")
     try:
         factor, offset, si_unit = units.si_of(unit, "")
     except InputError as error:

@@ -20,7 +20,7 @@ _WORDS = {
     ("V",): "voltage volt volts vbat vbatt vcc uout uin",
     ("V", "Pa"): "spannung",
     ("V", "N", "N*m"): "tension",
-    ("A",): "strom courant amperage ibat",
+    ("A",): "current strom courant amperage ibat",
     ("kg",): "mass masse",
     ("kg", "N"): "weight gewicht poids",
     ("rad",): "angle winkel roll yaw heading azimuth",
@@ -33,11 +33,14 @@ _WORDS = {
     ("tesla",): "magnetometer mag magx magy magz magnetic magnetfeld field bx by bz",
     ("m/s", "rad/s"): "speed velocity geschwindigkeit vitesse vel",
     ("m",): "distance height altitude abstand weg hoehe displacement",
+    ("m/s**2", "m/s", "m"): "vibration shock",
     ("Hz", "rad/s"): "frequency frequenz frequence",
     ("W",): "power leistung puissance",
     ("J",): "energy energie",
     ("A*s",): "charge ladung",
 }  # fmt: skip
+#: letters of a word that may end another one
+_LONG = 5
 _QUANTITY = {word: si for si, words in _WORDS.items() for word in words.split()}
 #: units of which a name can say that it has another; what a sensor gives before it is calibrated
 #: (a voltage, a current, a plain number) and what belongs to a sample (a time) fits to any name
@@ -47,7 +50,19 @@ _JUDGED = frozenset(
 )  # fmt: skip
 #: words that make another quantity of one, or that mean two things
 _OTHERWISE = frozenset(
-    ("rate", "constant", "gradient", "per", "dot", "coefficient", "mag", "field", "by", "change")
+    (
+        "rate",
+        "constant",
+        "gradient",
+        "per",
+        "dot",
+        "coefficient",
+        "mag",
+        "field",
+        "by",
+        "change",
+        "current",
+    )
 )
 #: names of a speed of rotation, whose numbers "1/s" are turns in a second
 _TURNS = frozenset(("n", "drehzahl", "speed", "rpm", "rev", "revs", "motor", "spindle", "wheel"))
@@ -60,6 +75,13 @@ _ACCELERATION = re.compile(
     r"acc|imu|specific.?force|(^|[_ ])a[xyz]?($|[_ ])|^g[xyz]?force", re.IGNORECASE
 )
 _NO_ACCELERATION = re.compile(r"gyr|mag|ang|rate|accura", re.IGNORECASE)
+#: units that are words of their own: in names they are nothing else
+_TELLING = frozenset(
+    ("rpm", "volts", "amps", "watts", "newtons", "psi", "celsius", "fahrenheit", "degc", "hpa",
+     "kpa", "mbar", "knots", "mph", "dps")
+)  # fmt: skip
+#: what a mass stands for in the name of a force
+_WEIGHT = {"g": "gf", "kg": "kgf", "kgs": "kgf", "Kg": "kgf", "KG": "kgf"}
 _PER_SECOND = re.compile(r"1 ?/ ?s(?:ec)?|s\^?-1|s⁻¹")
 _PER_MINUTE = re.compile(r"1 ?/ ?min|min\^?-1|min⁻¹")
 
@@ -78,15 +100,34 @@ def measures_acceleration(name: str) -> bool:
 
 def measured(name: str) -> frozenset[str]:
     """SI units that a quantity of that name can have; none where the name does not say."""
-    said = frozenset(si for word in words(name) for si in _QUANTITY.get(word, ()))
+    said = frozenset(si for word in words(name) for si in _units_of(word))
     return said | {"m/s**2"} if measures_acceleration(name) else said
+
+
+def _units_of(word: str) -> tuple[str, ...]:
+    """Units of what a word says, also at the end of a German one: Motordrehmoment."""
+    for known, si in _QUANTITY.items():
+        if word == known or (len(known) > _LONG and word.endswith(known)):
+            return si
+    return ()
+
+
+def unit_in_name(name: str) -> str:
+    """The unit at the end of ``voltage_v`` and ``Engine RPM``, where nothing else can be meant."""
+    stem, _, last = re.sub(r"[ .]", "_", name).rpartition("_")
+    if last.lower() in _TELLING:
+        return last
+    possible = measured(stem)
+    spelled = [way for text in (last, last.upper()) for way in units.ways(text)]
+    return next((way for way in spelled if last and _si(way) in possible), "")
 
 
 def meant(name: str, unit: str) -> str:
     """A unit as it is meant in a column of that name; itself where the name does not decide."""
     unit = _rate(name, unit)
-    several = units.ways(unit)
-    possible = measured(name)
+    several, possible = units.ways(unit), measured(name)
+    if possible == {"N"}:  # a force in kg is the weight of them
+        unit = _WEIGHT.get(unit.strip(), unit)
     fitting = [way for way in several if _si(way) in possible]
     return fitting[0] if len(fitting) == 1 and len(several) > 1 else unit
 
