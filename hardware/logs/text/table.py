@@ -43,7 +43,11 @@ _Odd = tuple[int, int, str]
 
 
 def read(
-    source: _source.Source, layout: Layout, *, joined: bool = False, spare: Collection[str] = ()
+    source: _source.Source,
+    layout: Layout,
+    *,
+    joined: bool = False,
+    spare: Collection[str] | None = None,
 ) -> Table:
     """Reads all rows.
 
@@ -51,7 +55,8 @@ def read(
         source: the text.
         layout: how it is written.
         joined: whether a column of dates goes with one of times of day, which then do not wrap.
-        spare: columns that nobody asks for; one that holds a fault is left out.
+        spare: columns that nobody asks for; one that holds a fault is left out, as is any that
+            holds nothing but remarks. ``None`` where every column has its place.
 
     Raises:
         InputError: rows that cannot be read (20 of them by name), or none at all.
@@ -62,7 +67,7 @@ def read(
 
 class _Reader:
     def __init__(
-        self, source: _source.Source, layout: Layout, joined: bool, spare: Collection[str]
+        self, source: _source.Source, layout: Layout, joined: bool, spare: Collection[str] | None
     ) -> None:
         self.source, self.layout, self.joined = source, layout, joined
         self.header = layout.header.strip()
@@ -70,7 +75,8 @@ class _Reader:
         self.last_row = 0
         self.spool: Spool | None = None
         self.used = [k for k, kind in enumerate(layout.kinds) if kind not in ("text", "empty")]
-        self.spare = {k for k, (name, _) in enumerate(layout.names) if name in spare}
+        self.remarks = spare is not None
+        self.spare = {k for k, (name, _) in enumerate(layout.names) if name in (spare or ())}
         self.odd: list[_Odd] = []
         self.filled: set[int] = set()  # columns that hold a number so far
         self.left: dict[int, _Odd] = {}  # columns that are left out, for what stands in them
@@ -247,13 +253,20 @@ class _Reader:
             if value is None
         ]
         known = [value for value in one_by_one if value is not None]
-        empty = k not in self.filled and not any(np.isfinite(value).any() for value in known)
-        if k in self.spare or (self.layout.kinds[k] == "number" and empty):
+        if k in self.spare or self._only_remarks(k, known, wrong):
             self.left.setdefault(k, wrong[0])
             shape = (len(cells), self.state.lengths.get(k, 1))
             return np.full(shape if self.layout.kinds[k] == "list" else len(cells), np.nan)
         odd += wrong
         return np.concatenate(known or [np.empty(0)])
+
+    def _only_remarks(self, k: int, known: list[Array], wrong: list[_Odd]) -> bool:
+        """Whether a column held nothing so far, and now nothing but words."""
+        return (
+            self.remarks and self.layout.kinds[k] == "number" and k not in self.filled
+            and not any(np.isfinite(value).any() for value in known)
+            and all(kind_of(cell) == "text" for _, _, cell in wrong)
+        )  # fmt: skip
 
     def _values(self, k: int, cells: Sequence[str], numbers: list[int]) -> Array | None:
         """The values of some cells, ``None`` where one is odd."""
