@@ -114,6 +114,13 @@ def test_a_last_letter_that_counts_is_no_unit(read):
     assert [*left_out(made)] == ["enc_A", "enc_B"]
 
 
+def test_a_letter_behind_a_symbol_is_no_unit_that_the_symbol_cannot_have(read):
+    heads = ["omega_m", "v_s", "u_N", "F_H", "x_m", "i_A", "T_s", "F_N", "v_ms", "speed_ms"]
+    made = read(f"time (s),{','.join(heads)}\n" + rows(30, *[lambda i: i] * len(heads)))
+    assert [*left_out(made)] == heads[:4]
+    assert [c.unit for c in channels(made).values()] == ["m", "A", "s", "N", "m/s", "m/s"]
+
+
 def test_prefixes_of_angles_are_angles(read):
     head = "t (s),gx [mdps],gy [mdeg/s],gz (mrad/s),n (krpm),slope (mrad)\n"
     made = read(head + rows(40, *[lambda _: 1750] * 5))
@@ -148,6 +155,11 @@ def test_one_column_without_a_unit_does_not_refuse_the_log(read, mapped):
         "no unit is known", "channels: {pwm: {column: PWM, unit: 1}}",
     )  # fmt: skip
     assert channels(mapped(PWM, one.cure))["pwm"].unit == "1"
+
+
+def test_who_asks_for_a_column_that_was_left_out_is_told_why(read):
+    with pytest.raises(InputError, match=r"no unit is known, so it was left out.*channels: {pwm: "):
+        read(PWM).find("pwm")
 
 
 def test_what_was_left_out_is_one_line_on_the_terminal_and_in_the_json(call, tmp_path, monkeypatch):

@@ -47,7 +47,7 @@ KNOWN = {
         DEG: "deg/s|°/s|º/s|dps|DPS|deg/sec|Grad/s|°·s⁻¹|degrees per second|Â°/s",
         DEG / 1e3: "mdeg/s|mdps|m°/s", DEG / 3600: "deg/h|°/h",
         RPM: "rpm|RPM|U/min|tr/min|r/min|rev/min|1/min|min^-1|min-1|min⁻¹|turn/min"
-        "|Umdrehungen pro Minute|tours/min|revolutions per minute",
+        "|u/min|UpM|Umdrehungen pro Minute|tours/min|revolutions per minute",
         1e3 * RPM: "krpm", 2 * math.pi: "rps|rev/s|turn/s",
     },
     "rad/s**2": {1.0: "rad/s²|rad/s^2", DEG: "deg/s^2|°/s²"},
@@ -79,7 +79,7 @@ KNOWN = {
     "W": {1.0: "W|Watt|watts", 1e-3: "mW", 1e3: "kW", 735.49875: "PS"},
     "J": {1.0: "J|Joules|Ws", 3600.0: "Wh", 3.6e6: "kWh", 1e-3: "mJ"},
     "Hz": {1.0: "Hz|hz|1/s|s^-1|s-1|s⁻¹", 1e3: "kHz|khz", 1e6: "MHz|Mhz", 1 / 60: "bpm"},
-    "ohm": {1.0: "ohm|Ohm|Ω|Ω|ohms", 1e3: "kΩ|kOhm"},
+    "ohm": {1.0: "ohm|Ohm|Ω|Ω|ohms", 1e3: "kΩ|kOhm", 1e6: "MOhm|MΩ", 1e-3: "mOhm"},
     "kg": {1.0: "kg|Kg|kilogram", 1e-3: "gram|grams", 453.59237e-3: "pound"},
     "m**3": {1e-3: "L|l|liter", 1e-6: "mL|ml"},
     "kg*m**2": {1.0: "kg*m2|kg-m2|kg m²|kg·m^2"},

@@ -213,7 +213,7 @@ class Recording:
 
         Raises:
             UnknownName: no channel is called so.
-            InputError: channels of several streams are.
+            InputError: channels of several streams are; or it is a column that was left out.
         """
         wanted, _, short = name.rpartition("/")
         places = [
@@ -228,9 +228,16 @@ class Recording:
             text = f"is the name of {len(places)} channels ({full}); write {places[0][0]}/{short}"
             raise InputError(name, [f"{text}, or another stream"])
         if not places:
+            self._tell_left_out(short)
             known = [f"{s}/{c}" for s, content in self.streams.items() for c in content.channels]
             raise UnknownName("channel", name, known)
         return places[0]
+
+    def _tell_left_out(self, name: str) -> None:
+        for one in self.provenance.conversions:
+            if not one.channel and one.cure and one.raw.lower() == name.lower():
+                text = f"{one.reason}, so it was left out; with --map it is kept; cure: {one.cure}"
+                raise InputError(f"column {one.raw!r}", [text])
 
 
 def ranges(rows: Iterable[int]) -> tuple[tuple[int, int], ...]:

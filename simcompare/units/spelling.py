@@ -74,10 +74,11 @@ def read(text: str) -> Unit | None:
 
 def _atom(text: str) -> str | None:
     """Unit of pint of one word."""
-    names = _names()  # MHz is none that is written in small letters, so it keeps its case
-    found = names.get(text) or (names.get(text.lower()) if len(text) > 2 else None)
-    if found:
-        return found
+    names = _names()
+    small = (text[:1] + text[1:].lower(), text.lower())  # the first letter may be a prefix: MOhm
+    for word in (text, *(small if len(text) > 2 else ())):
+        if word in names:
+            return names[word]
     match = _PREFIXED.fullmatch(text)
     base = names.get(match[2].lower()) if match else None
     if match and base and "(" not in base:

@@ -41,7 +41,7 @@ WORDS = {
     "hertz": "hertz hz HZ", "kilohertz": "KHz Khz khz", "megahertz": "Mhz", "tesla": "tesla",
     "kelvin": "kelvin kelvins", "ohm": "ohms", "radian": "rads radian radians radiant",
     "degree": "degree degrees degs grad", "arcminute": "arcmin", "arcsecond": "arcsec ″",
-    "turn": "U tr r turns tour tours rev revs revolution revolutions rot umdr umdrehung"
+    "turn": "U u tr r turns tour tours rev revs revolution revolutions rot umdr umdrehung"
     " umdrehungen", "standard_gravity": "g0 gn gees g_n gforce",
     "percent": "% pct percent prozent pourcent %rh %rf rh%", "permille": "‰ permille",
     "ppm": "ppm με microstrain ustrain", "degree_Celsius": "°C degC oC celsius",
@@ -50,7 +50,7 @@ WORDS = {
     "force_pound": "lbf", "force_ounce": "ozf", "force_kilogram": "kp kilopond",
     "pound": "lb lbs pound", "ounce": "oz ounce", "psi": "psi", "(kip/inch**2)": "ksi",
     "standard_atmosphere": "atm",
-    "torr": "torr", "(1/minute)": "bpm",
+    "torr": "torr", "(1/minute)": "bpm", "(turn/minute)": "upm",
     "millimeter_Hg": "mmHg", "inch_Hg": "inHg", "horsepower": "hp", "metric_horsepower": "PS",
     "(mile/hour)": "mph", "(kilometer/hour)": "kph kmh kmph", "(meter/second)": "mps",
     "(meter/second**2)": "mpss mps2", "(newton*centimeter)": "Ncm", "(newton*millimeter)": "Nmm",
@@ -114,4 +114,4 @@ WEIGHTS = {
 }  # fmt: skip
 LENGTHS = ("meter", "centimeter", "millimeter", "inch", "foot")
 #: what means something else when it stands alone
-ONLY_IN_PRODUCTS = ("U", "tr", "r")
+ONLY_IN_PRODUCTS = ("U", "u", "tr", "r")

@@ -17,7 +17,6 @@ from simcompare.hardware.mapping import ChannelMap, Mapping
 from simcompare.hardware.raw import RawColumn, RawStream
 from simcompare.model.recording import Conversion
 
-_CAPITALS = {suffix.upper() for suffix in units.UNITS_BY_SUFFIX}
 #: what the times of a stream are called
 CLOCK = "time_s"
 
@@ -66,16 +65,8 @@ def _settle_unit(work: Work, column: RawColumn, names: Sequence[str]) -> None:
         column.kind = wish.kind or column.kind
     elif column.name == work.stream.time and time is not None and time.unit is not None:
         column.unit = time.unit
-    elif not column.unit and not _is_index(column.name, names):
-        suffix = units.suffix_of(column.name)
-        column.unit = units.unit_of(column.name) if suffix else quantity.unit_in_name(column.name)
-
-
-def _is_index(name: str, names: Sequence[str]) -> bool:
-    """Whether the last letter counts, as in ``phase_A`` beside ``phase_B``, and is no unit."""
-    alike = [other for other in names if other[:-1] == name[:-1] and other != name]
-    beside = [other[-2:].upper() for other in alike]
-    return name[-2:-1] == "_" and any(end[1].isalpha() and end not in _CAPITALS for end in beside)
+    elif not column.unit:
+        column.unit = quantity.from_suffix(column.name, names)
 
 
 def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | None, str]]:

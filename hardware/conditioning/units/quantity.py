@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Sequence
 
 from simcompare import units
 from simcompare.errors import InputError
@@ -39,6 +40,17 @@ _WORDS = {
     ("J",): "energy energie",
     ("A*s",): "charge ladung",
 }  # fmt: skip
+#: SI units of what is called by one letter or a Greek one, as written
+_SYMBOLS = {
+    **dict.fromkeys("xyzhdrlsbe", ("m",)), "t": ("s",), "T": ("s", "K", "N*m"), "v": ("m/s", "V"),
+    "u": ("V", "m/s"), "U": ("V",), "V": ("V", "m**3"), "i": ("A",), "I": ("A",), "F": ("N",),
+    "f": ("N", "Hz"), "M": ("N*m",), "n": ("rad/s", "Hz"), "w": ("rad/s",), "omega": ("rad/s",),
+    "q": ("rad", "m", "A*s"), "p": ("Pa", "m"), "P": ("W",), "a": ("m/s**2",), "m": ("kg",),
+    **dict.fromkeys(("theta", "phi", "alpha", "beta", "psi"), ("rad",)), "tau": ("N*m", "s"),
+    "E": ("J", "V"), "R": ("ohm",), "L": ("H", "m"),
+}  # fmt: skip
+#: words of names that speak of a time
+_TIMES = frozenset(("time", "zeit", "dt", "t", "delay", "duration", "age", "stamp", "period"))
 #: letters of a word that may end another one
 _LONG = 5
 _QUANTITY = {word: si for si, words in _WORDS.items() for word in words.split()}
@@ -82,6 +94,7 @@ _TELLING = frozenset(
 )  # fmt: skip
 #: what a mass stands for in the name of a force
 _WEIGHT = {"g": "gf", "kg": "kgf", "kgs": "kgf", "Kg": "kgf", "KG": "kgf"}
+_CAPITALS = {suffix.upper() for suffix in units.UNITS_BY_SUFFIX}
 _PER_SECOND = re.compile(r"1 ?/ ?s(?:ec)?|s\^?-1|s⁻¹")
 _PER_MINUTE = re.compile(r"1 ?/ ?min|min\^?-1|min⁻¹")
 
@@ -122,10 +135,31 @@ def unit_in_name(name: str) -> str:
     return next((way for way in spelled if last and _si(way) in possible), "")
 
 
+def from_suffix(name: str, names: Sequence[str]) -> str:
+    """The unit that a name ends with; ``omega_m`` is no length, ``phase_A`` beside ``_B`` none."""
+    if _is_index(name, names):
+        return ""
+    suffix = units.suffix_of(name)
+    if not suffix:
+        return unit_in_name(name)
+    unit, known = units.unit_of(name), _SYMBOLS.get(name.removesuffix(suffix))
+    return "" if known and unit not in known else unit
+
+
+def _is_index(name: str, names: Sequence[str]) -> bool:
+    """Whether the last letter counts, as in ``phase_A`` beside ``phase_B``."""
+    alike = [other for other in names if other[:-1] == name[:-1] and other != name]
+    beside = [other[-2:].upper() for other in alike]
+    return name[-2:-1] == "_" and any(end[1].isalpha() and end not in _CAPITALS for end in beside)
+
+
 def meant(name: str, unit: str) -> str:
     """A unit as it is meant in a column of that name; itself where the name does not decide."""
     unit = _rate(name, unit)
     several, possible = units.ways(unit), measured(name)
+    is_speed = "m/s" in (possible or _SYMBOLS.get(name.split()[0], ()) if name else ())
+    if unit == "ms" and is_speed and not _TIMES & {*words(name)}:
+        return "m/s"  # as in speed_ms
     if possible == {"N"}:  # a force in kg is the weight of them
         unit = _WEIGHT.get(unit.strip(), unit)
     fitting = [way for way in several if _si(way) in possible]

@@ -43,8 +43,8 @@ _SUFFIXES = {
     "uA": "uA", "kPa": "kPa", "hPa": "hPa", "mbar": "mbar", "degC": "degC", "uT": "uT", "mT": "mT",
     "ms": "ms", "us": "us", "ns": "ns", "sec": "s", "Nm": "N*m", "mNm": "mN*m", "kHz": "kHz",
     "MHz": "MHz", "mW": "mW", "kW": "kW", "mN": "mN", "kN": "kN",
-    "g": "g", "mg": "mg", "mps": "m/s", "mps2": "m/s^2", "kmh": "km/h", "kph": "km/h",
-    "mph": "mph", "pct": "%", "percent": "%", "degF": "degF",
+    "g": "g", "mg": "mg", "mps": "m/s", "mps2": "m/s^2", "ms2": "m/s^2", "kmh": "km/h",
+    "kph": "km/h", "mph": "mph", "pct": "%", "percent": "%", "degF": "degF",
 }  # fmt: skip
 _SUFFIXED = re.compile(rf"(.+)_({'|'.join(sorted(_SUFFIXES, key=len, reverse=True))})")
 
