@@ -7,19 +7,16 @@ but takes short rows and empty lines in silence: it could only stand beside this
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text import dates
 from simcompare.hardware.logs.text import source as _source
-from simcompare.hardware.logs.text.marks import doubt, mark_of
 from simcompare.hardware.logs.text.sniff import COMMENTS, Layout, kind_of, split
 from simcompare.hardware.logs.text.state import Faults, State, Table
+from simcompare.hardware.logs.text.values import Values
 from simcompare.hardware.raw import RawColumn, Spool
 from simcompare.model.trajectory import Array
 
@@ -27,10 +24,8 @@ from simcompare.model.trajectory import Array
 _MAX_FAULTS = 100_000
 #: characters of a line that may be a row
 _MAX_ROW = 1 << 20
-_WHOLE = re.compile(r"\s*[+-]?\d{1,19}\s*", re.ASCII)
 #: rows that tell how many decimals the numbers of a column have, and how few tell nothing
 _COMPARED, _MIN_COMPARED = 100, 5
-_DAY_NS = 86_400 * 10**9
 
 #: whole lines that are no rows, by the column that they stand for in the place of one
 _LONG, _RAGGED, _REMARK = -3, -2, -1
@@ -69,10 +64,11 @@ class _Reader:
     def __init__(
         self, source: _source.Source, layout: Layout, joined: bool, spare: Collection[str] | None
     ) -> None:
-        self.source, self.layout, self.joined = source, layout, joined
+        self.source = source
         self.header = layout.header.strip()
         self.state, self.faults = State(), Faults(source.label)
         self.last_row = 0
+        self.values = Values(layout, self.state, joined)
         self.spool: Spool | None = None
         self.used = [k for k, kind in enumerate(layout.kinds) if kind not in ("text", "empty")]
         self.remarks = spare is not None
@@ -80,6 +76,11 @@ class _Reader:
         self.odd: list[_Odd] = []
         self.filled: set[int] = set()  # columns that hold a number so far
         self.left: dict[int, _Odd] = {}  # columns that are left out, for what stands in them
+
+    @property
+    def layout(self) -> Layout:
+        """How the table is written, as far as its rows have told."""
+        return self.values.layout
 
     def table(self) -> Table:
         state, layout = self.state, self.layout
@@ -90,7 +91,8 @@ class _Reader:
             if len(self.odd) > _MAX_FAULTS:
                 break
         self._settle_odd()
-        self._check_dates()
+        for text in self.values.unclear_dates():
+            self.faults.add(text)
         self.faults.finish("at least " if len(self.odd) > _MAX_FAULTS else "")
         if self.spool is None or not len(self.spool):
             raise InputError(
@@ -138,7 +140,7 @@ class _Reader:
         between = [line for line, k in lines if k != _REMARK or line < end]
         if len(lines) < len(self.odd) or len(between) > count * _FEW:
             for fault in sorted(self.odd):
-                self.faults.add(self._fault(*fault))
+                self.faults.add(self.values.fault(*fault, told=self.faults.count > 0))
             return
         for line, k in lines:
             self.state.skip(_PASSED_OVER[k], line)
@@ -198,8 +200,8 @@ class _Reader:
     # ---- rows become numbers --------------------------------------------------------------------
 
     def _add(self, rows: list[list[str]], numbers: list[int]) -> None:
-        if not self.layout.decided:
-            self._decide(rows)
+        if not self.values.layout.decided:
+            self.values.decide(rows)
         columns = list(zip(*rows, strict=True))
         odd: list[_Odd] = []
         parts = [self._column(k, columns[k], numbers, odd) for k in self.used]
@@ -225,27 +227,18 @@ class _Reader:
             if kept:
                 self._add([cells[line] for line in kept], kept)
 
-    def _decide(self, rows: list[list[str]]) -> None:
-        """The first number with a mark that can only be the decimal one decides which it is."""
-        for row in rows:
-            for k in self.used:
-                mark = mark_of(row[k]) if self.layout.kinds[k] == "number" else ""
-                if mark in (".", ",") and _cell.number(row[k], mark) is not None:
-                    self.layout = replace(self.layout, decimal=mark, decided=True)
-                    return
-
     def _column(
         self, k: int, cells: Sequence[str], numbers: list[int], odd: list[_Odd]
     ) -> Array:  # fmt: skip
         """The values of all cells of a column; those that are odd are noted."""
-        made = self._values(k, cells, numbers)
+        made = self.values.column(k, cells, numbers)
         if made is not None:
             if k not in self.filled and np.isfinite(made).any():
                 self.filled.add(k)
                 odd += [self.left.pop(k)] if k in self.left and k not in self.spare else []
             return made
         one_by_one = [
-            self._values(k, cells[i : i + 1], numbers[i : i + 1]) for i in range(len(cells))
+            self.values.column(k, cells[i : i + 1], numbers[i : i + 1]) for i in range(len(cells))
         ]
         wrong = [
             (number, k, cell)
@@ -268,87 +261,7 @@ class _Reader:
             and all(kind_of(cell) == "text" for _, _, cell in wrong)
         )  # fmt: skip
 
-    def _values(self, k: int, cells: Sequence[str], numbers: list[int]) -> Array | None:
-        """The values of some cells, ``None`` where one is odd."""
-        kind = self.layout.kinds[k]
-        if kind == "number":
-            return _cell.numbers(cells, self.layout.decimal, self.layout.thousands)
-        if kind == "integer":
-            return self._counted(k, cells)
-        if kind == "flag":
-            return _cell.flags(cells)
-        return self._lists(k, cells) if kind == "list" else self._dated(k, cells, numbers)
-
-    def _counted(self, k: int, cells: Sequence[str]) -> Array | None:
-        """Whole numbers from their first one on, as a float would round them."""
-        if not all(map(_WHOLE.fullmatch, cells)):
-            return None
-        counts = [int(cell) for cell in cells]
-        origin = self.state.origins.setdefault(k, counts[0])
-        return np.array([count - origin for count in counts], dtype=np.float64)
-
-    def _dated(self, k: int, cells: Sequence[str], numbers: Sequence[int]) -> Array | None:
-        state, style = self.state, self.layout.styles[k]
-        stamps = dates.nanoseconds(cells, style)
-        if stamps is None:
-            return None
-        if style.kind == "clock" and not self.joined:
-            before = state.clock_ns.get(k, int(stamps[0]))
-            days = before // _DAY_NS
-            steps = np.diff(stamps, prepend=before % _DAY_NS)
-            wraps = np.flatnonzero(steps < -_DAY_NS // 2)
-            state.midnights += [numbers[i] for i in wraps.tolist()]
-            stamps = stamps + (days + np.cumsum(steps < -_DAY_NS // 2)) * _DAY_NS
-            state.clock_ns[k] = int(stamps[-1])
-        if style.other:
-            state.days.update(np.unique(stamps // _DAY_NS).tolist())
-            state.examples.setdefault(k, cells[0])
-        origin = state.origins.setdefault(k, int(stamps[0]))
-        return (stamps - origin) / 1e9
-
-    def _lists(self, k: int, cells: Sequence[str]) -> Array | None:
-        """Cells ``[0.1, 0.2]`` as one row of numbers each."""
-        texts = [cell.strip() for cell in cells]
-        if not all(text[:1] in ("[", "(") and text[-1:] in ("]", ")") for text in texts):
-            return None
-        parts = [text[1:-1].replace(";", ",").split(",") for text in texts]
-        length = self.state.lengths.setdefault(k, len(parts[0]))
-        if any(len(part) != length for part in parts):
-            return None
-        values = _cell.numbers([cell for part in parts for cell in part])
-        return None if values is None else values.reshape(len(parts), length)
-
-    def _fault(self, line: int, k: int, cell: str) -> str:
-        """The fault of one cell, or of a whole line (``k`` is below 0)."""
-        if k < 0:
-            return f"line {line}: {cell}"
-        layout, name = self.layout, self.layout.names[k][0]
-        kind = layout.kinds[k]
-        if kind == "number" and mark_of(cell) == "?" and layout.decimal == ".":
-            return doubt(line, name, cell)
-        expected = {
-            "list": f"a list of {self.state.lengths.get(k, 0)} numbers",
-            "flag": "true or false",
-            "date": f"a date as {layout.styles[k].words}" if k in layout.styles else "a date",
-            "integer": "a whole number",
-        }.get(kind, "a number" + (" with a decimal comma" if layout.decimal == "," else ""))
-        text = f"line {line}, column {name!r}: {cell.strip()[:60]!r} is not {expected}"
-        is_word = kind == "number" and not re.search(r"\d", cell)
-        if is_word and not self.faults.count:  # mostly it says just that; told once
-            text += "; where nothing was measured, leave the cell empty, or delete the line"
-        return text
-
     # ---- the end ------------------------------------------------------------------------------
-
-    def _check_dates(self) -> None:
-        if len(self.state.days) > 1:
-            for k, example in self.state.examples.items():
-                style, name = self.layout.styles[k], self.layout.names[k][0]
-                other = replace(style, order=style.other).words
-                self.faults.add(
-                    f"column {name!r}: {example!r} may be {style.words} or {other}, and the date"
-                    " changes in the log; write dates as 2024-12-31"
-                )
 
     def _made(self, arrays: list[Array]) -> Table:
         layout, state = self.layout, self.state
