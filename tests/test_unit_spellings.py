@@ -172,7 +172,10 @@ def test_what_counts_is_told_what_to_write(text, hint):
         ("weight", "lb", "lb"),
         ("torque", "nm", "N*m"), ("wind speed", "kn", "knot"),
         ("thrust", "g", "gf"), ("force", "kg", "kgf"), ("Motordrehmoment", "NM", "N*m"),
-        ("load", "g", "gram"), ("force", "kn", "kN"),
+        ("load", "g", "gram"),
+        ("T", "C", "degC"), ("m", "g", "gram"), ("F t", "kg", "kg"), ("F f", "kg", "kgf"),
+        ("B", "mG", "mgauss"), ("T t", "nm", "N*m"), ("v", "ms", "m/s"), ("lap time", "ms", "ms"),
+        ("force", "kn", "kN"),
         ("Drehzahl", "1/s", "turn/s"), ("omega", "1/s", "rad/s"), ("heart rate", "1/min", "bpm"),
         ("motor speed", "1/min", "1/min"), ("x", "g", "g"), ("x-axis", "mg", "mg"), ("n", "V", "V"),
     ],
@@ -196,7 +199,9 @@ def test_a_quantity_cannot_have_just_any_unit(name, si):
     [("torque", "V"), ("force", "1"), ("pressure", "A"), ("yaw rate", "rad/s"), ("acc time", "s"),
      ("temperature gradient", "K/W"), ("torque constant", "N*m/A"),
      ("moment of inertia", "kg*m**2"),
-     ("gyro temp", "K"), ("mag", "m/s**2"), ("position rate", "m/s"), ("hAcc", "m"), ("foo", "H")],
+     ("gyro temp", "K"), ("mag", "m/s**2"), ("position rate", "m/s"), ("hAcc", "m"), ("foo", "H"),
+     ("a", "rad"),
+     ("imu roll", "rad")],
 )  # fmt: skip
 def test_what_a_sensor_gives_besides_is_not_refused(name, si):
     assert quantity.contradiction(name, si) == ""

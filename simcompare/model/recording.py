@@ -236,8 +236,8 @@ class Recording:
     def _tell_left_out(self, name: str) -> None:
         for one in self.provenance.conversions:
             if not one.channel and one.cure and one.raw.lower() == name.lower():
-                text = f"{one.reason}, so it was left out; with --map it is kept; cure: {one.cure}"
-                raise InputError(f"column {one.raw!r}", [text])
+                text = f"{one.reason}, so it was left out; a mapping file keeps it"
+                raise InputError(f"column {one.raw!r}", [f"{text}; cure: {one.cure}"])
 
 
 def ranges(rows: Iterable[int]) -> tuple[tuple[int, int], ...]:

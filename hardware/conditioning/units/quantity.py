@@ -47,7 +47,7 @@ _SYMBOLS = {
     "f": ("N", "Hz"), "M": ("N*m",), "n": ("rad/s", "Hz"), "w": ("rad/s",), "omega": ("rad/s",),
     "q": ("rad", "m", "A*s"), "p": ("Pa", "m"), "P": ("W",), "a": ("m/s**2",), "m": ("kg",),
     **dict.fromkeys(("theta", "phi", "alpha", "beta", "psi"), ("rad",)), "tau": ("N*m", "s"),
-    "E": ("J", "V"), "R": ("ohm",), "L": ("H", "m"),
+    "E": ("J", "V"), "B": ("tesla",), "R": ("ohm",), "L": ("H", "m"),
 }  # fmt: skip
 #: words of names that speak of a time
 _TIMES = frozenset(("time", "zeit", "dt", "t", "delay", "duration", "age", "stamp", "period"))
@@ -113,8 +113,11 @@ def measures_acceleration(name: str) -> bool:
 
 def measured(name: str) -> frozenset[str]:
     """SI units that a quantity of that name can have; none where the name does not say."""
-    said = frozenset(si for word in words(name) for si in _units_of(word))
-    return said | {"m/s**2"} if measures_acceleration(name) else said
+    return _said(name) | ({"m/s**2"} if measures_acceleration(name) else frozenset())
+
+
+def _said(name: str) -> frozenset[str]:
+    return frozenset(si for word in words(name) for si in _units_of(word))
 
 
 def _units_of(word: str) -> tuple[str, ...]:
@@ -156,9 +159,8 @@ def _is_index(name: str, names: Sequence[str]) -> bool:
 def meant(name: str, unit: str) -> str:
     """A unit as it is meant in a column of that name; itself where the name does not decide."""
     unit = _rate(name, unit)
-    several, possible = units.ways(unit), measured(name)
-    is_speed = "m/s" in (possible or _SYMBOLS.get(name.split()[0], ()) if name else ())
-    if unit == "ms" and is_speed and not _TIMES & {*words(name)}:
+    several, possible = units.ways(unit), measured(name) or _of_symbol(name)
+    if unit == "ms" and "m/s" in possible and not _TIMES & {*words(name)}:
         return "m/s"  # as in speed_ms
     if possible == {"N"}:  # a force in kg is the weight of them
         unit = _WEIGHT.get(unit.strip(), unit)
@@ -166,9 +168,16 @@ def meant(name: str, unit: str) -> str:
     return fitting[0] if len(fitting) == 1 and len(several) > 1 else unit
 
 
+def _of_symbol(name: str) -> frozenset[str]:
+    """SI units of what is called by one letter."""
+    parts = name.split()
+    alike = len({part.lower() for part in parts}) == 1
+    return frozenset(_SYMBOLS.get(parts[0], ()) if alike else ())
+
+
 def contradiction(name: str, si: str) -> str:
     """Why a quantity of that name cannot be in that SI unit, empty where it can."""
-    possible = measured(name)
+    possible = _said(name)
     if not possible or si in possible or si not in _JUDGED or _OTHERWISE & {*words(name)}:
         return ""
     named = " or ".join(_spoken(one) for one in sorted(possible))
