@@ -71,6 +71,15 @@ def test_axes_in_g_that_show_gravity_are_accelerations(read, names, unit, one):
     assert bool(told) == names.startswith("x")
 
 
+@pytest.mark.parametrize("one", [1.0, 9.81])
+def test_an_accelerometer_without_a_unit_that_shows_gravity_is_known_by_it(read, one):
+    numbers = [lambda i: 0.01 * one * (i % 3), lambda _: 0, lambda _: one, lambda i: i]
+    made = read("t (s),acc_x,acc_y,acc_z,gyr_x\n" + rows(200, *numbers))
+    assert middle(made, "acc_z_m_s2") == pytest.approx(9.81, rel=1e-3)  # of 9.80665
+    assert [*left_out(made)] == ["gyr_x"]
+    assert "gravity_unit" in rules(made)
+
+
 def test_two_axes_in_g_of_which_one_carries_gravity_are_accelerations(read):
     made = read("t (s),x (g),z (g)\n" + rows(200, lambda i: 0.01 * (i % 3), lambda _: -1))
     assert middle(made, "z_m_s2") == pytest.approx(-9.80665)

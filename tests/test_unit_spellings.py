@@ -111,7 +111,7 @@ def test_a_spelling_has_its_value_in_si(text, factor, si):
 
 
 @pytest.mark.parametrize(
-    "text", ["°C", "degC", "deg C", "ºC", "℃", "Celsius", "Grad Celsius", "Â°C"]
+    "text", ["°C", "degC", "deg C", "ºC", "℃", "Celsius", "Grad Celsius", "'C", "Â°C"]
 )
 def test_degrees_of_celsius_have_their_offset(text):
     assert units.si_of(text, "") == (pytest.approx(1.0), pytest.approx(273.15), "K")
@@ -186,7 +186,8 @@ def test_the_name_of_a_column_decides_between_two_meanings(name, unit, meant):
 
 @pytest.mark.parametrize(
     ("name", "si"),
-    [("humidity", "H"), ("Motordrehmoment", "K"), ("temperature", "N*m"), ("Drehmoment", "K"),
+    [("humidity", "H"), ("Motordrehmoment", "K"), ("T", "rad"),
+     ("temperature", "N*m"), ("Drehmoment", "K"),
      ("force", "m"), ("ax", "kg"),
      ("pressure", "kg"), ("speed", "N"), ("Winkel", "m"), ("mass", "m/s**2"), ("power", "J")],
 )  # fmt: skip
@@ -200,7 +201,7 @@ def test_a_quantity_cannot_have_just_any_unit(name, si):
      ("temperature gradient", "K/W"), ("torque constant", "N*m/A"),
      ("moment of inertia", "kg*m**2"),
      ("gyro temp", "K"), ("mag", "m/s**2"), ("position rate", "m/s"), ("hAcc", "m"), ("foo", "H"),
-     ("a", "rad"),
+     ("a", "rad"), ("Extension", "m"), ("T", "N"),
      ("imu roll", "rad")],
 )  # fmt: skip
 def test_what_a_sensor_gives_besides_is_not_refused(name, si):

@@ -11,7 +11,7 @@ from simcompare.units import table
 
 _LONGEST = 40
 #: characters that look alike, and words for signs
-_DEGREE = r"(?:deg(?:rees?)?\.?|grad|°)\s*"
+_DEGREE = r"(?:deg(?:rees?)?\.?|grad|°|')\s*"
 _ALIKE = (
     ("Â(?=[°µ²³·])", ""), ("[º˚]", "°"), (r"[$]|\\(?=[a-z])", ""),
     (r"\b(?:per|pro|par)\b", "/"), (r"\s+squared$", "^2"),

@@ -36,7 +36,7 @@ WORDS = {
     "kilometer": "KM Km", "gram": "gram grams gramm gramme grammes", "kilogram": "kg kgs KG Kg",
     "tonne": "tonne tonnes", "newton": "newton newtons", "decanewton": "daN",
     "pascal": "pascal pascals pa", "hectopascal": "HPA HPa Hpa hpa",
-    "kilopascal": "KPA KPa Kpa kpa", "millibar": "mbar mb", "volt": "volt volts VDC VAC Vrms",
+    "kilopascal": "KPA KPa Kpa kpa", "millibar": "mbar mb mB", "volt": "volt volts VDC VAC Vrms",
     "ampere": "amp amps ampere amperes ampère", "watt": "watt watts", "joule": "joule joules",
     "hertz": "hertz hz HZ", "kilohertz": "KHz Khz khz", "megahertz": "Mhz", "tesla": "tesla",
     "kelvin": "kelvin kelvins", "ohm": "ohms", "radian": "rads radian radians radiant",

@@ -16,7 +16,9 @@ from simcompare.hardware.conditioning.work import Work
 #: how far it may be from 1; sheets of cheap sensors allow 0.17 g of offset and scale together
 _TOLERANCE = 0.15
 #: as many of each unit are one g
-_IN = {"g_0": 1.0, "mg_0": 1e3, "ug_0": 1e6}
+_IN = {"g_0": 1.0, "mg_0": 1e3, "ug_0": 1e6, "m/s^2": 9.80665}
+#: units that an acceleration without any may have
+_USUAL = ("m/s^2", "g_0")
 _AXIS = re.compile(r"(?:^|[^a-z])[xyz](?:$|[^a-z])")
 
 
@@ -24,32 +26,38 @@ def check(work: Work) -> None:
     """Takes g, mg and their like as gravity where the values say so, with a note."""
     if len(work.time_s) < 2:
         return
-    for group in _groups([claim for claim in claims(work) if not claim.si and _gravity_of(claim)]):
+    for group in _groups([claim for claim in claims(work) if not claim.si and _ways(claim)]):
         size = _size_at_rest(work, group)
-        unit = _gravity_of(group[0])
-        if abs(size / _IN[unit] - 1) > _TOLERANCE:
+        unit = next((w for w in _ways(group[0]) if abs(size / _IN[w] - 1) < _TOLERANCE), "")
+        if not unit:
             continue
-        was = group[0].unit
+        was = f"in {group[0].unit}" if group[0].unit else "without a unit"
         for claim in group:
             reread(work, claim, unit, 1.0)
         work.info(
             "gravity_unit",
-            f"{title(group)} in {was}: at rest their length is {size:.4g}, as that of gravity is;"
-            " taken as gravity, not as a mass",
+            f"{title(group)} {was}: at rest their length is {size:.4g}, as that of gravity is in"
+            f" {unit}; taken so",
             channel=group[0].column.name, after={"rest": size},
         )  # fmt: skip
 
 
-def _gravity_of(claim: Claim) -> str:
-    """The unit of acceleration that an ambiguous unit may be, empty where it is none."""
-    return next((way for way in units.ways(claim.unit) if way in _IN), "")
+def _ways(claim: Claim) -> tuple[str, ...]:
+    """Units of acceleration that a column may have, none where its unit is of another kind."""
+    if not claim.unit:
+        named = quantity.measures_acceleration(claim.column.name)
+        return _USUAL if named and claim.wish is None else ()
+    return tuple(way for way in units.ways(claim.unit) if way in _IN)
 
 
 def _groups(undecided: Sequence[Claim]) -> list[Sequence[Claim]]:
     """Vectors; or else all columns together, or one that is called an axis."""
     found: list[Sequence[Claim]] = [*triads(undecided)]
     used = {id(claim) for group in found for claim in group}
-    others = [c for c in undecided if id(c) not in used and not quantity.measured(c.column.name)]
+    others = [
+        c for c in undecided
+        if id(c) not in used and c.unit and not quantity.measured(c.column.name)
+    ]  # fmt: skip
     alike = [c for c in others if c.unit == others[0].unit]
     if len(alike) > 1 or (alike and _AXIS.search(alike[0].column.name.lower())):
         found.append(alike)

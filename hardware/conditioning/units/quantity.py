@@ -42,7 +42,8 @@ _WORDS = {
 }  # fmt: skip
 #: SI units of what is called by one letter or a Greek one, as written
 _SYMBOLS = {
-    **dict.fromkeys("xyzhdrlsbe", ("m",)), "t": ("s",), "T": ("s", "K", "N*m"), "v": ("m/s", "V"),
+    **dict.fromkeys("xyzhdrlsbe", ("m",)), "t": ("s",), "T": ("s", "K", "N*m", "N"),
+    "v": ("m/s", "V"),
     "u": ("V", "m/s"), "U": ("V",), "V": ("V", "m**3"), "i": ("A",), "I": ("A",), "F": ("N",),
     "f": ("N", "Hz"), "M": ("N*m",), "n": ("rad/s", "Hz"), "w": ("rad/s",), "omega": ("rad/s",),
     "q": ("rad", "m", "A*s"), "p": ("Pa", "m"), "P": ("W",), "a": ("m/s**2",), "m": ("kg",),
@@ -51,8 +52,11 @@ _SYMBOLS = {
 }  # fmt: skip
 #: words of names that speak of a time
 _TIMES = frozenset(("time", "zeit", "dt", "t", "delay", "duration", "age", "stamp", "period"))
-#: letters of a word that may end another one
-_LONG = 5
+#: German words that end longer ones, such as Motordrehmoment
+_GERMAN = (
+    "drehmoment", "drehzahl", "spannung", "strom", "temperatur", "druck", "kraft", "winkel",
+    "geschwindigkeit", "beschleunigung", "leistung", "gewicht", "energie",
+)  # fmt: skip
 _QUANTITY = {word: si for si, words in _WORDS.items() for word in words.split()}
 #: units of which a name can say that it has another; what a sensor gives before it is calibrated
 #: (a voltage, a current, a plain number) and what belongs to a sample (a time) fits to any name
@@ -122,10 +126,8 @@ def _said(name: str) -> frozenset[str]:
 
 def _units_of(word: str) -> tuple[str, ...]:
     """Units of what a word says, also at the end of a German one: Motordrehmoment."""
-    for known, si in _QUANTITY.items():
-        if word == known or (len(known) > _LONG and word.endswith(known)):
-            return si
-    return ()
+    ending = next((known for known in _GERMAN if word.endswith(known)), "")
+    return _QUANTITY.get(word) or _QUANTITY.get(ending, ())
 
 
 def unit_in_name(name: str) -> str:
@@ -177,7 +179,7 @@ def _of_symbol(name: str) -> frozenset[str]:
 
 def contradiction(name: str, si: str) -> str:
     """Why a quantity of that name cannot be in that SI unit, empty where it can."""
-    possible = _said(name)
+    possible = _said(name) or frozenset(_SYMBOLS["T"] if name == "T" else ())
     if not possible or si in possible or si not in _JUDGED or _OTHERWISE & {*words(name)}:
         return ""
     named = " or ".join(_spoken(one) for one in sorted(possible))
