@@ -237,7 +237,9 @@ def test_a_torque_or_a_temperature_is_no_time(read, head):
     [("Zeit (s)", 0.29), ("Uhrzeit / s", 0.29), ("t/s", 0.29), ("temps (s)", 0.29),
      ("Time, s", 0.29),
      ("epoc (ms)", 29e-5), ("Time (mS)", 29e-5), ("time [S]", 0.29), ("Device Time (s)", 0.29),
-     ("seconds_elapsed", 0.29), ("TimeStamp (Sec)", 0.29), ("elapsed (min)", 17.4)],
+     ("seconds_elapsed", 0.29), ("TimeStamp (Sec)", 0.29), ("elapsed (min)", 17.4),
+     ("Zeit (in s)", 0.29), ("Prüfzeit [s]", 0.29),
+     ("unit:timestamp [ms]", 29e-5)],
 )  # fmt: skip
 def test_a_time_is_known_by_name_and_unit(read, head, last_s):
     (stream,) = read(f'"{head}",u (V)\n' + rows(30, lambda i: i)).streams.values()

@@ -24,7 +24,7 @@ _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
 #: characters of numbers that Python reads as logs mean them
 _PLAIN = b"0123456789.eE+- \t\n"
 _INFINITE = re.compile(r"([+-]?)(?:inf|infinity|1\.#inf|∞)", re.IGNORECASE)
-_BRACKETS = re.compile(r"(.*?)\s*[(\[{<]\s*((?:[^()\[\]{}<>]|\([^()]*\))*?)\s*[)\]}>]")
+_BRACKETS = re.compile(r"(.*?)\s*[(\[{<]\s*(?:in )?((?:[^()\[\]{}<>]|\([^()]*\))*?)\s*[)\]}>]")
 #: what says that there is no unit
 _NO_UNIT = re.compile(r"(.*?)\s*(?:\[\s*([1–-]?)\s*\]|\(\s*([1–-]?)\s*\)|\{\s*(1?)\s*\})")
 _SLASH = re.compile(r"(.*?)(?:\s+/\s+|\s+in\s+|,\s+)(\S+)")

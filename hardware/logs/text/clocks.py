@@ -13,7 +13,7 @@ from simcompare.model.trajectory import Array
 _TIME = re.compile(
     r"%?time|t|time ?stamps?|stamp|date ?/? ?time|date|zeit|temps|elapsed(?: time)?|millis|micros"
     r"|ms|us|(?:milli|micro|nano)?sec(?:ond)?s?|time of day|unix ?time|epoch|clock|zeitstempel"
-    r"|uhrzeit|datum|horodatage|tiempo|tempo",
+    r"|uhrzeit|(?:mess|pr(?:ü|ue)f|lauf|versuchs)zeit|datum|horodatage|tiempo|tempo",
     re.IGNORECASE,
 )
 #: what is a time where no column is called one plainly
@@ -50,7 +50,7 @@ def is_span(name: str) -> bool:
 def _bare(name: str) -> str:
     """A name without its unit and without its number among its like."""
     name = re.sub(r" #\d+$", "", name).strip(" _").removesuffix("_s")
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).replace("_", " ")
+    return re.sub(r"[_:./]+|(?<=[a-z])(?=[A-Z])", " ", name).strip()
 
 
 def unit_of_time(name: str) -> str:
