@@ -89,13 +89,18 @@ def correlation_figure(run: Run) -> Figure | None:
 def profile_figures(run: Run) -> list[Figure]:
     """How χ² rises about the best value of each unknown."""
     rows = [row for row in fits.bounces(run).profiles if len(row.values) > 1]
-    closed = fits.bounces(run).closed_form.own
-    panels = [_profile_panel(row, closed[row.name]) for row in rows]
+    closed = fits.bounces(run).closed_form
+    over_all = closed.parameters if closed.alone else {}
+    panels = [_profile_panel(row, closed.own[row.name], over_all.get(row.name)) for row in rows]
     parts = [panels[i : i + _PANELS] for i in range(0, len(panels), _PANELS)]
     caption = (
         "How much χ² rises when one unknown is held and the others are fitted. The 95 % interval"
         " ends at 3.84. Where the profile leaves the dashed parabola, ± u alone would mislead."
     )
+    if over_all:
+        caption += (
+            " This is the best closed form alone. Shaded: the 95 % interval over all closed forms."
+        )
     return [
         Figure(f"profiles-{number}" if number > 1 else "profiles", "Profile likelihood",
                caption if number == 1 else "The same for the other unknowns.", tuple(part),
@@ -104,7 +109,7 @@ def profile_figures(run: Run) -> list[Figure]:
     ]  # fmt: skip
 
 
-def _profile_panel(row: ProfileRow, closed: Unknown) -> Panel:
+def _profile_panel(row: ProfileRow, closed: Unknown, over_all: Unknown | None) -> Panel:
     x, y = _smooth(row, closed.value)
     low, high = float(x.min()), float(x.max())
     series = [
@@ -117,8 +122,15 @@ def _profile_panel(row: ProfileRow, closed: Unknown) -> Panel:
         parabola[parabola > _HIGHEST] = math.nan
         series.append(Series("normal approximation", at, parabola, _NORMAL))
     name = row.name
-    return Panel(fits.title(name), fits.with_unit(name), "Δχ²", tuple(series),
+    spans = () if over_all is None else (_over_all(over_all, low, high),)
+    return Panel(fits.title(name), fits.with_unit(name), "Δχ²", tuple(series), spans=spans,
                  y_range=(0.0, _HIGHEST), x_limits=(low, high))  # fmt: skip
+
+
+def _over_all(row: Unknown, low: float, high: float) -> Span:
+    """The interval over all closed forms, as far as the panel reaches."""
+    ends = np.clip(fits.interval(row), low, high)
+    return Span(float(ends[0]), float(ends[1]), "95 % over all closed forms")
 
 
 def _smooth(row: ProfileRow, best: float | None) -> tuple[Array, Array]:
