@@ -11,6 +11,7 @@ import yaml
 from simcompare.errors import InputError
 from simcompare.hardware import importing, joints
 from simcompare.hardware import mapping as mappings
+from simcompare.hardware.logs import profiles
 from tests.ros_bags import CONTAINERS, Bag, joint_state, times
 
 pytest.importorskip("rosbags")
@@ -158,6 +159,6 @@ def test_kinds_are_read_out_of_a_description(text, kinds):
     ],
 )  # fmt: skip
 def test_fields_of_common_messages_have_their_units_in_tables_of_ros(column, unit):
-    from simcompare.hardware.logs.text import rostopic
-
-    assert rostopic.named([(column, "")]) == [(column, unit)]
+    found = profiles.find("imu.csv", [], [(column, "")])
+    assert found is not None
+    assert found.names == ((column, unit),)

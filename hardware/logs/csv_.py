@@ -12,6 +12,7 @@ import numpy as np
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware import joints
+from simcompare.hardware.logs import profiles
 from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import clocks, rostopic, sniff
 from simcompare.hardware.logs.text import dates as _dates
@@ -61,9 +62,9 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     """The same for a file within an archive."""
     layout = sniff.sniff(source, _cell.wanted_names(mapping))
     names = [name for name, _ in layout.names]
-    if rostopic.is_echo(names):
-        layout = replace(layout, names=tuple(rostopic.named(layout.names)))
-    times = _time_columns(layout)
+    found = profiles.find(Path(source.label).name, layout.preamble, layout.names)
+    layout = replace(layout, names=found.names) if found else layout
+    times = _time_columns(layout, found)
     layout = _with_integer_stamps(source, layout, times)
     joined = _date_and_clock(layout)
     spare = {name for name, _ in layout.names} - _cell.wanted_names(mapping)
@@ -74,21 +75,31 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
         text = f"there is no header; the columns are called {', '.join(n for n, _ in layout.names)}"
         repairs.append(Repair("no_header", INFO, text[:300]))
     time, clock = _time(source.label, table, layout, times, joined, mapping, repairs)
+    rate_Hz = found.rate_Hz if found and time is None and mapping.time is None else None
+    if rate_Hz:
+        clock = Clock(f"{rate_Hz:g} Hz, by the head of the log")
     log = RawLog(
         [RawStream("log", table.columns, time, clock=clock, first_row=table.first_row,
-                   rows=table.rows, truncated=table.truncated)],
+                   rows=table.rows, truncated=table.truncated,
+                   increment_s=1 / rate_Hz if rate_Hz else None)],
         repairs=repairs, ignored=table.ignored, about=_cell.about_of(layout.preamble),
     )  # fmt: skip
     if rostopic.is_echo(names):
         rostopic.finish(log)
+    if found:
+        found.finish(log)
     joints.mark(log.streams[0].columns)
     _say_candidate(log, mapping)
     return log
 
 
-def _time_columns(layout: Layout) -> list[int]:
+def _time_columns(layout: Layout, found: profiles.Found | None) -> list[int]:
     """Columns that may be the time by name and unit, or by being the only one in such a unit."""
     usable = [k for k, kind in enumerate(layout.kinds) if kind in ("number", "date")]
+    if found and found.table.time:
+        told = [k for k in usable if re.fullmatch(found.table.time, layout.names[k][0])]
+        if told:
+            return told
     ros = [k for k in usable if layout.names[k][0] == "field.header.stamp"]
     if ros:
         return ros

@@ -1,53 +1,21 @@
-"""Tables of ``rostopic echo -p``: what the fields of the common messages mean."""
+"""Tables of ``rostopic echo -p``: their clock and their covariances."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from simcompare.hardware.raw import RawColumn, RawLog, RawStream
 from simcompare.model.recording import WARNING, Repair
 
-#: ends of fields and their units
-_UNITS = (
-    (r"linear_acceleration\.[xyz]|accel\.linear\.[xyz]", "m/s^2"),
-    (r"angular_velocity\.[xyz]|angular\.[xyz]", "rad/s"),
-    (r"linear\.[xyz]", "m/s"),
-    (r"position\.[xyz]|translation\.[xyz]|point\.[xyz]", "m"),
-    (r"orientation\.[xyzw]|rotation\.[xyzw]", "1"),
-    (r"field\.(range|min_range|max_range)", "m"),
-    (r"field\.magnetic_field\.[xyz]", "tesla"),
-    (r"field\.fluid_pressure", "Pa"),
-    (r"header\.seq|radiation_type|status", "1"),
-    (r"%time|header\.stamp", "ns"),
-    (r"force\.[xyz]", "N"),
-    (r"torque\.[xyz]", "N*m"),
-    (r"field\.temperature", "degC"),
-    (r"field\.(voltage|cell_voltage\d+)", "V"),
-    (r"field\.current", "A"),
-    (r"field\.(charge|capacity|design_capacity)", "A*h"),
-    (r"field\.(percentage|present|relative_humidity|power_supply_\w+)", "1"),
-    (r"field\.(latitude|longitude)", "deg"),
-    (r"field\.altitude", "m"),
-    (r"field_of_view", "rad"),
-)
 _COVARIANCE = re.compile(r"(.*?)_?covariance(\d+)")
 
 
 def is_echo(names: Sequence[str]) -> bool:
     """Whether the header is one of ``rostopic echo -p``."""
     return bool(names) and names[0] == "%time" and any(n.startswith("field.") for n in names)
-
-
-def named(names: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Names with the units that the messages define."""
-    pairs = []
-    for name, unit in names:
-        fitting = (u for pattern, u in _UNITS if re.search(rf"(?:{pattern})$", name))
-        pairs.append((name, unit or next(fitting, "")))
-    return pairs
 
 
 def finish(log: RawLog) -> None:
@@ -61,9 +29,6 @@ def finish(log: RawLog) -> None:
         stream.time = "%time"
         stream.clock = type(stream.clock)("column %time", stream.clock.start)
     _use_covariances(stream, log)
-    for column in stream.columns:
-        if "linear_acceleration" in column.name:
-            column.kind = "specific_force"
     for name in ("%time", "field.header.stamp", "field.header.seq"):
         if name in [c.name for c in stream.columns] and name != stream.time:
             stream.columns.remove(stream.column(name))

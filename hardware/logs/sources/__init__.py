@@ -1,0 +1,1 @@
+"""Programs and devices whose logs say no units: one YAML file each, with its evidence."""
