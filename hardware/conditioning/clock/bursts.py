@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.hardware.conditioning.clock import intervals, time_quantised
+from simcompare.hardware.conditioning.clock import intervals, time_quantised, whole_seconds
 from simcompare.hardware.conditioning.clock.intervals import Indices, Mask
 from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import Work
@@ -34,7 +34,7 @@ def check(work: Work) -> None:
     again = intervals.where(work.time_s, lambda step: step == 0)
     if not len(again) or _join(work, again) or _several_things(work):
         return
-    if time_quantised.even_out(work):
+    if time_quantised.even_out(work) or whole_seconds.keep(work):
         return
     if len(again) < _PATTERN * len(work.time_s):
         _accidents(work)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.hardware.conditioning.clock import intervals
+from simcompare.hardware.conditioning.clock import intervals, whole_seconds
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import MAX_ROWS
 from simcompare.model.trajectory import Array
@@ -32,8 +32,11 @@ def check(work: Work) -> None:
         work.u_time_s = float(np.hypot(work.u_time_s, rounding / np.sqrt(12)))
         return
     if step == 0 or (step > 0.7 * median and not _ragged(work, step)):
+        whole_seconds.keep(work)
         return
     if step > _COARSE * median and even_out(work, step):
+        return
+    if whole_seconds.keep(work):
         return
     work.resolution_s = step
     work.u_time_s = float(np.hypot(work.u_time_s, step / np.sqrt(12)))
