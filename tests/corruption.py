@@ -161,9 +161,17 @@ def gap() -> Damaged:
 
 
 def many_gaps() -> Damaged:
-    """Every twelfth sample was lost: more than a record may lose."""
+    """Every twelfth sample was lost."""
     lost = list(range(12, 1990, 12))
-    return Damaged(without(clean(), lost), "time_gap", [row(12)], "fault", lost=lost)
+    after = rows([sample - k for k, sample in enumerate(lost)])
+    return Damaged(without(clean(), lost), "time_gap", after, "warning", truth=clean(), lost=lost)
+
+
+def stale_first_row() -> Damaged:
+    """The first row is one of the run before."""
+    damaged, truth = clean(), clean()
+    values(damaged, "t")[0] = 2317.0
+    return Damaged(damaged, "stale_first_row", [row(0)], "repair", "t", truth=truth, lost=[0])
 
 
 def sequence_gap() -> Damaged:
@@ -475,9 +483,10 @@ def cut_short() -> Damaged:
 DEFECTS: dict[str, Callable[[], Damaged]] = {
     made.__name__: made
     for made in (
-        gap, many_gaps, sequence_gap, duplicate_row, duplicate_time, late_row, wrong_stamp,
-        missing_stamp, clock_back, clock_ahead, clock_back_with_counter, clock_ahead_with_counter,
-        two_logs, bursts, coarse_clock, millisecond_clock, milliseconds, said_to_be_seconds,
+        gap, many_gaps, stale_first_row, sequence_gap, duplicate_row, duplicate_time, late_row,
+        wrong_stamp, missing_stamp, clock_back, clock_ahead, clock_back_with_counter,
+        clock_ahead_with_counter, two_logs, bursts, coarse_clock, millisecond_clock,
+        milliseconds, said_to_be_seconds,
         sentinel, full_sentinel, told_sentinel, infinite, short_holes, long_hole, many_holes,
         wrapped, wrapped_8, told_wrap, too_fast_wrap, signed_number, clipped, at_limits, cut_short,
     )

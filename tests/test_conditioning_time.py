@@ -80,7 +80,14 @@ def test_repaired_times_are_right_within_their_uncertainty(name):
     # where a log begins is not judged: a stamp may be that of the end of its interval
     off -= np.median(off)
     untouched = np.abs(off) < 1e-12
-    if damaged.rule in ("time_gap", "sequence_gap", "duplicate_row", "time_order", "truncated"):
+    if damaged.rule in (
+        "time_gap",
+        "sequence_gap",
+        "duplicate_row",
+        "time_order",
+        "truncated",
+        "stale_first_row",
+    ):
         assert untouched.all()
     elif damaged.rule in ("time_outlier", "time_missing"):
         assert set(np.flatnonzero(~untouched)) <= {line - row(0) for line in damaged.rows}
@@ -190,6 +197,76 @@ def test_a_true_pause_of_a_moving_device_is_a_gap_and_no_jump_of_the_clock():
     recording = conditioned(stream)
     assert corruption.defects_in(recording) == ["time_gap"]
     assert found(recording, "time_gap")[0].after["missing"] == 90
+
+
+@pytest.mark.parametrize("least", [0.0, 0.001])
+def test_a_sensor_that_writes_on_change_is_silent_at_rest_and_its_clock_unchanged(least):
+    """A joint that moves three times and rests between; values that do not change are not sent."""
+    time = np.arange(0, 60, 0.01)
+    angle = np.zeros_like(time)
+    for begins, by in ((5.0, 0.8), (20.0, -0.5), (45.0, 1.1)):
+        s = np.clip((time - begins) / 2.5, 0, 1)
+        angle += by * s**3 * (10 - 15 * s + 6 * s**2)
+    angle = np.round(angle, 4)
+    sent = [0]
+    for i in range(1, len(time)):
+        if abs(angle[i] - angle[sent[-1]]) > least:
+            sent.append(i)
+    recording = conditioned(corruption.of_columns(time[sent], x=angle[sent]))
+    assert np.allclose(recording.streams["log"].time_s, time[sent], rtol=0, atol=1e-9)
+    assert "clock_jump" not in corruption.defects_in(recording)
+    steps = np.diff(recording.streams["log"].time_s)
+    # the two pauses between the motions, and the one before the first
+    assert set(np.flatnonzero(steps > 1.0).tolist()) <= set(recording.streams["log"].gaps)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "shares"), [((0.01, 0.019, 0.04), (3, 3, 3)), ((0.01, 0.02, 0.04), (6, 3, 1))]
+)
+def test_a_clock_of_several_speeds_loses_nothing(speeds, shares):
+    """A phone that writes whenever a sensor reports."""
+    chance = np.random.default_rng(7)
+    step = chance.choice(speeds, 400, p=np.array(shares) / sum(shares))
+    time = np.cumsum(step + chance.uniform(-0.001, 0.001, 400))
+    recording = conditioned(corruption.of_columns(time, x=np.sin(time)), "strict")
+    (told,) = found(recording, "irregular_clock")
+    assert (told.severity, "several speeds" in told.text) == ("info", True)
+    assert recording.streams["log"].gaps == ()
+    assert np.allclose(recording.streams["log"].time_s, time - time[0], rtol=0, atol=1e-12)
+
+
+def test_many_lost_samples_are_told_with_their_share_and_refused_by_strict():
+    (told,) = found(conditioned(corruption.many_gaps().stream), "time_gap")
+    assert "8.2 % of the samples" in told.text  # 165 of 2000
+    with pytest.raises(InputError, match="time_gap; refused by --strict"):
+        conditioned(corruption.many_gaps().stream, "strict")
+
+
+def test_a_stale_first_row_alone_is_out_of_order():
+    damaged = corruption.stale_first_row().stream
+    with pytest.raises(InputError, match=rf"line {row(0)} alone is out of order.*; delete it"):
+        conditioned(damaged, "strict")
+
+
+def test_stamps_of_whole_seconds_are_kept_and_unsure_by_half_a_second():
+    time = np.floor(np.arange(60) * 1.04)
+    recording = conditioned(corruption.of_columns(time, x=np.sin(time)), "strict")
+    clock = recording.streams["log"].clock
+    assert np.array_equal(recording.streams["log"].time_s, time)
+    assert clock.u_s == pytest.approx(1 / np.sqrt(12))
+    assert clock.resolution_s == 1.0
+
+
+def test_samples_that_share_a_whole_second_are_spread_over_it():
+    true = np.cumsum(np.random.default_rng(3).exponential(1.5, 300))
+    recording = conditioned(corruption.of_columns(np.floor(true), x=np.sin(true)))
+    assert "whole_seconds" in corruption.defects_in(recording)
+    made = recording.streams["log"]
+    assert len(made.time_s) == 300
+    off = made.time_s - true
+    # each lies within the second of its stamp, so no error is longer than that
+    assert np.ptp(off) <= 2.0
+    assert np.std(off) <= 1.1 * made.clock.u_s  # 300 draws: the scatter is known to 4 %
 
 
 def test_a_change_of_the_rate_is_no_gap():

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from simcompare.model.recording import Repair
 
+#: what to do by hand, where it is plain
+_CURES = {"stale_first_row": "delete it"}
+
 
 def refused(repair: Repair) -> str:
     """Place, text and rule of a repair."""
@@ -13,4 +16,6 @@ def refused(repair: Repair) -> str:
         more = f" and {repair.count - (last - first + 1)} more" if len(repair.rows) > 1 else ""
         places.append(f"rows {first} to {last}{more}" if last > first else f"row {first}{more}")
     where = ", ".join(place for place in places if place)
-    return f"{where}{': ' if where else ''}{repair.text} ({repair.rule}; refused by --strict)"
+    cure = f"; {_CURES[repair.rule]}" if repair.rule in _CURES else ""
+    told = f"{repair.text}{cure} ({repair.rule}; refused by --strict)"
+    return f"{where}: {told}" if where else told

@@ -17,6 +17,8 @@ _FAR = 10.0
 _WIDTH = 5
 #: how often real pauses may look as continuous as the place in question
 _CHANCE = 0.02
+#: signals rest where they change less than this times this quantile of all their steps
+_SLOW = (0.2, 1.5)
 #: places with which a jump is compared
 _COMPARED = 4000
 #: faults that are named one by one
@@ -132,6 +134,8 @@ class _Continuity:
         """Whether a step from i to i+1, so many medians long, is a change of the clock."""
         if not _WIDTH - 1 <= i < self._count - _WIDTH or len(self._places) < 50:
             return False
+        if self._rests(i):
+            return False  # a sensor that writes on change is silent then
         here = float(self._mismatch(np.array([i]), np.array([i + 1]))[0])
         usual = self._usual[np.isfinite(self._usual)]
         if not len(usual) or not here <= 1.5 * np.quantile(usual, 0.99):
@@ -142,6 +146,18 @@ class _Continuity:
         pauses = pauses[np.isfinite(pauses)]
         least = max(here, float(np.quantile(usual, 0.9)))
         return len(pauses) >= 50 and float(np.mean(pauses <= least)) < _CHANCE
+
+    def _rests(self, i: int) -> bool:
+        """Whether no signal moves at a place: a slow step into it, or one after it, of each."""
+        for column in self._columns:
+            steps = np.abs(column.values[self._places + 1] - column.values[self._places])
+            if not np.isfinite(steps).any():
+                continue
+            slow = _SLOW[1] * float(np.nanquantile(steps, _SLOW[0]))
+            here = np.abs(np.diff(column.values[i - 1 : i + 3]))
+            if not (here[1] <= slow and min(here[0], here[2]) <= slow):
+                return False
+        return True
 
     def _clear(self, places: Indices, apart: int) -> Indices:
         """Places whose neighbourhoods hold no step of the clock."""

@@ -20,8 +20,12 @@ _SLOWER = 1.25
 _MANY = 0.02
 #: a longer step, in medians, is a pause between two parts of a log, no loss of samples
 _PAUSE = 50.0
-#: a log that loses more than this is no sound record of what happened
+#: a log that loses more than this is told so
 _MAX_MISSING = 0.05
+#: steps below this are short, in medians; from this share of them on the clock has several speeds
+_SHORT, _SEVERAL_SPEEDS = 0.75, 0.05
+#: so many steps of one length are no accident
+_OFTEN = 10
 #: fewer stamps say nothing about what is usual
 _MIN_SAMPLES = 10
 
@@ -60,7 +64,7 @@ def _by_counter(work: Work, median: float) -> bool | None:
 
 
 def _by_clock(work: Work, median: float) -> None:
-    long, length, short = _long_steps(work.time_s, median)
+    long, length, short = _long_steps(work.time_s, median, work.resolution_s)
     if not len(long):
         return
     spread = _spread(work.time_s, median)
@@ -69,7 +73,11 @@ def _by_clock(work: Work, median: float) -> None:
     loses = missing[length <= _PAUSE].sum() / (len(work.time_s) + missing[length <= _PAUSE].sum())
     many = len(long) + short > _MANY * len(work.time_s)
     if many and (np.mean(is_multiple) < 0.6 or loses > 0.5):
-        _irregular(work, long, length)
+        _irregular(work, long, "and no multiples of it")
+        return
+    if loses > _MAX_MISSING and _several_speeds(work.time_s, median, length):
+        _irregular(work, long, "as a device does that writes when it likes: its clock has several"
+                   " speeds, and nothing says that samples are lost")  # fmt: skip
         return
     gap = is_multiple | (length >= 2)
     if gap.any():
@@ -79,14 +87,29 @@ def _by_clock(work: Work, median: float) -> None:
         _say_late(work, long[~gap], median, "no whole sample is missing")
 
 
-def _long_steps(time_s: Array, median: float) -> tuple[Indices, Array, int]:
+def _several_speeds(time_s: Array, median: float, length: Array) -> bool:
+    """Whether steps are of several lengths by choice, and not longer where samples are lost.
+
+    Losses make no step shorter, and longer steps are rarer the longer they are.
+    """
+    steps = intervals.sampled_steps(time_s)
+    if np.mean((steps > 0) & (steps < _SHORT * median)) > _SEVERAL_SPEEDS:
+        return True
+    counts = np.bincount(np.round(length[length < _PAUSE]).astype(int), minlength=4)[2:]
+    return bool(((counts[1:] > _OFTEN) & (counts[1:] > 2 * counts[:-1])).any())
+
+
+def _long_steps(
+    time_s: Array, median: float, resolution_s: float = 0.0
+) -> tuple[Indices, Array, int]:
     """Steps that are long also against their neighbours, their length in medians.
 
     Returns:
         Indices, lengths, and how many more steps are long because all are at that place.
     """
     steps = np.diff(time_s)
-    long = np.flatnonzero(steps > _LONG * median)
+    # stamps that are rounded say no more of a step than their own
+    long = np.flatnonzero(steps > max(_LONG * median, median + 1.01 * resolution_s))
     around = long[:, None] + np.delete(np.arange(-_AROUND, _AROUND + 1), _AROUND)
     inside = (around >= 0) & (around < len(steps))
     near = np.where(inside, steps[np.clip(around, 0, len(steps) - 1)], np.nan)
@@ -123,13 +146,7 @@ def _mark(work: Work, gaps: Indices, lost: Array, what: str, rule: str, channel:
         f" never taken), the longest gap lasts {lasts.max():.6g} s"
     )
     if share > _MAX_MISSING:
-        work.fault(
-            f"{text}. That is {100 * share:.1f} % of the samples, more than"
-            f" {100 * _MAX_MISSING:g} %: the record is not sound. First after"
-            f" {work.place(int(gaps[0]))}; record again, or keep a part without losses ({rule})",
-            sample=int(gaps[0]) + 1,
-        )
-        return
+        text += f". That is {100 * share:.1f} % of the samples; the stamps are taken as they are"
     work.gaps = sorted({*work.gaps, *gaps.tolist()})
     work.warn(
         rule, f"{text}; nothing was put there", samples=gaps + 1, channel=channel,
@@ -138,12 +155,12 @@ def _mark(work: Work, gaps: Indices, lost: Array, what: str, rule: str, channel:
     )  # fmt: skip
 
 
-def _irregular(work: Work, long: Indices, length: Array) -> None:
+def _irregular(work: Work, long: Indices, why: str) -> None:
     """A clock without a usual step: only what is long against all others is a gap."""
     usual = float(np.quantile(intervals.sampled_steps(work.time_s), 0.98))
     work.info(
         "irregular_clock", f"the samples are not evenly spaced ({len(long)} steps are longer than"
-        f" {_LONG:g} times the median, and no multiples of it); the stamps are taken as they are",
+        f" {_LONG:g} times the median, {why}); the stamps are taken as they are",
         after={"median_dt_s": intervals.typical(work.time_s), "98_percent_dt_s": usual},
     )  # fmt: skip
     steps = work.time_s[long + 1] - work.time_s[long]

@@ -13,6 +13,8 @@ from simcompare.hardware.conditioning.work import Work
 _REGULAR = (0.6, 1.5)
 #: a row that came late is looked for among so many before it
 _LATE = 32
+#: so many rows with one step back, after the first of them, are one run
+_RUN = 10
 #: so many rows are put in order; a log with more is in none
 _MAX_MOVED = 10_000
 
@@ -36,6 +38,7 @@ def check(work: Work) -> None:
         return
     _outliers(work, median)
     _late_rows(work, median)
+    _stale_first(work)
     bursts.check(work)
     if not work.faults:
         clock_jumps.check(work)
@@ -126,6 +129,22 @@ def _late_rows(work: Work, median: float) -> None:
             "time_order", f"{are(len(moved), 'row')} later in the log than the stamp says; put in"
             " place, after which the stamps are regular", samples=moved,
         )  # fmt: skip
+
+
+def _stale_first(work: Work) -> None:
+    """A first row that is left over from the run before goes; the rest is one log."""
+    back = intervals.where(work.time_s, lambda step: step < 0)
+    if len(work.time_s) < _RUN or back.tolist() != [0]:
+        return
+    stale, first = (work.start_s + float(work.time_s[i]) for i in (0, 1))
+    work.repair(
+        "stale_first_row", f"{work.place(0)} alone is out of order: {stale:.6g} s, before"
+        f" {first:.6g} s; left over from the run before, and left out", samples=[0],
+        channel=work.stream.time or "", before={"first_s": stale}, after={"first_s": first},
+    )  # fmt: skip
+    kept = np.ones(len(work.time_s), dtype=np.bool_)
+    kept[0] = False
+    work.keep(kept)
 
 
 def _window(work: Work, i: int) -> slice:
