@@ -193,17 +193,6 @@ def test_apexes_are_heights_above_where_the_arcs_meet():
     assert drop.heights_m[:4] == pytest.approx(expected, abs=6e-3)
 
 
-def test_parabolas_are_wrong_where_there_is_drag_and_drag_arcs_are_not():
-    time, height = filmed_samples(IN_AIR, u_m=1e-4, seconds=2.5)
-    truth = times_of(IN_AIR, 4)
-    plain = arcs.from_heights(time, height, 1e-4)
-    shaped = arcs.from_heights(time, height, 1e-4, terminal_speed_m_s=8.644)
-    assert abs(plain.times_s[0] - truth[0]) > 2e-3
-    assert shaped.times_s[:4] == pytest.approx(truth[: len(shaped.times_s)][:4], abs=1e-4)
-    again = arcs.rejoined(plain, 8.644, 9.80665)
-    assert again.times_s[0] == pytest.approx(truth[0], abs=2e-4)
-
-
 def test_frames_before_the_release_are_left_out_and_told():
     drop = filmed(seed=1)
     held = [d for d in drop.dropped if d.reason == "not released yet"]
