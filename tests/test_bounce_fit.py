@@ -185,10 +185,10 @@ def test_ratios_have_the_uncertainty_of_flights_that_share_an_impact():
 
 
 def test_ratios_that_rise_are_named_as_the_mark_of_drag():
-    row, *_ = other_estimates.of_drops([heard(IN_AIR)], fit(heard(IN_AIR)))
+    row, *_ = other_estimates.of_drops([heard(IN_AIR)])
     assert "rise by" in answer.trend(row)
     assert "drag" in answer.trend(row)
-    level, *_ = other_estimates.of_drops([exact(7, TRUTH)], fit(exact(7, TRUTH)))
+    level, *_ = other_estimates.of_drops([exact(7, TRUTH)])
     assert "no trend" in answer.trend(level)
 
 

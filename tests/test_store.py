@@ -354,7 +354,8 @@ def old_fit(folder):
     for row in found["choice"]["candidates"]:
         del row["law"], row["drag"]
     for row in found["other_estimates"]:
-        del row["rule"], row["trend"], row["u_trend"], row["starts"], row["reached"]
+        del row["rule"], row["trend"], row["u_trend"]
+        row |= {"starts": 12, "reached": 7}
     return found
 
 

@@ -17,7 +17,6 @@ _RULES = {
     "mean ratio": "mean ratio of flights, weighted",
     "first ratio": "first ratio alone",
     "line": "line through log(flights)",
-    "trajectory": "least squares of all heights",
 }
 
 
@@ -118,7 +117,6 @@ def _other(row: OtherEstimate) -> OtherEstimate:
         "mean ratio": f"needs no height and no clock; air drag makes it too small. {trend(row)}",
         "first ratio": "uses one bounce only",
         "line": "counts short flights as much as long ones",
-        "trajectory": f"{row.reached} of {phrases.counted(row.starts, 'start')} found the minimum",
     }
     return replace(row, name=_RULES[row.rule], text=texts[row.rule])
 

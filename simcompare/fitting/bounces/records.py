@@ -106,7 +106,7 @@ def of_fit(
         tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources), sources=sources,
         run_with=_run_with(roles, plain.fit, engines), holdout=predicted,
         budgets=budgets(choice),
-        other_estimates=tuple(other_estimates.of_drops(drops[0], best)),
+        other_estimates=tuple(other_estimates.of_drops(drops[0])),
         valid=Valid(
             best.speeds_m_s, made.scene.world.step_s, made.scene.world.engine_step_s
         ),

@@ -326,13 +326,11 @@ class OtherEstimate:
     Attributes:
         drop: number of the drop, first is 1.
         source: its recording.
-        rule: "mean ratio", "first ratio", "line" or "trajectory".
+        rule: "mean ratio", "first ratio" or "line".
         value: the restitution.
         u: standard uncertainty, where the rule gives one.
         trend: by how much ratios of flights rise from impact to impact.
         u_trend: its standard uncertainty, ``None`` where it cannot be known.
-        starts: from how many places a search began.
-        reached: from how many of them it reached the minimum.
         name: the rule in words.
         text: what is wrong with it.
     """
@@ -344,7 +342,5 @@ class OtherEstimate:
     u: float | None
     trend: float | None = None
     u_trend: float | None = None
-    starts: int = 0
-    reached: int = 0
     name: str = ""
     text: str = ""
