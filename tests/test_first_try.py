@@ -199,6 +199,13 @@ def test_a_log_of_which_nothing_is_left_is_refused_with_one_line_that_opens_it(r
     assert [*channels(mapped(text, line))] == ["a", "on_off"]
 
 
+def test_a_second_clock_alone_is_no_measurement(read):
+    text = "Timestamp,Milliseconds,X\n"
+    text += "".join(f"2021-07-30 13:28:{54 + i // 20},{50 * i + 1},{i}\n" for i in range(60))
+    with pytest.raises(InputError, match="'X': no unit is known"):
+        read(text)
+
+
 def test_pixels_are_told_what_is_missing(read):
     made = read("t (s),x (px),u (V)\n" + rows(30, lambda i: i, lambda i: i))
     assert (

@@ -98,9 +98,10 @@ def condition(
         else:
             made = _stream(work, conversions)
             faults += work.faults  # such as a unit of the mapping that is none
-            if made.channels:
+            if made.channels or not work.data:
                 streams[work.stream.name] = made
-    if (about.mode == "strict" and not mapping.channels) or not (streams or faults):
+    told = {one.unit for made in streams.values() for one in made.channels.values()}
+    if (about.mode == "strict" and not mapping.channels) or not (told - {"s"} or faults):
         faults += left_out.refused(conversions)
     if faults:
         raise InputError(about.file, faults)
