@@ -206,6 +206,11 @@ def test_a_second_clock_alone_is_no_measurement(read):
         read(text)
 
 
+def test_a_clock_without_a_measurement_is_refused(read):
+    with pytest.raises(InputError, match="no column of numbers beside its time"):
+        read("t (s),note\n0,a\n1,b\n2,c\n3,d\n")
+
+
 def test_pixels_are_told_what_is_missing(read):
     made = read("t (s),x (px),u (V)\n" + rows(30, lambda i: i, lambda i: i))
     assert (

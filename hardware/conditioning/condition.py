@@ -103,6 +103,8 @@ def condition(
     told = {one.unit for made in streams.values() for one in made.channels.values()}
     if (about.mode == "strict" and not mapping.channels) or not (told - {"s"} or faults):
         faults += left_out.refused(conversions)
+    if not (told or faults or raw.events):
+        faults.append("holds no column of numbers beside its time; there is nothing to import")
     if faults:
         raise InputError(about.file, faults)
     full = replace(
