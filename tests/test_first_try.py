@@ -199,6 +199,14 @@ def test_a_log_of_which_nothing_is_left_is_refused_with_one_line_that_opens_it(r
     assert [*channels(mapped(text, line))] == ["a", "on_off"]
 
 
+def test_columns_of_text_and_empty_ones_are_told_as_such(read):
+    text = "t (s),u (V),Notes,comment\n" + rows(40, lambda i: i, lambda i: "hit" * (i == 9),
+                                               lambda _: "")  # fmt: skip
+    assert {raw: one.reason for raw, one in left_out(read(text)).items()} == {
+        "Notes": "holds text such as 'hit'", "comment": "is empty",
+    }  # fmt: skip
+
+
 def test_a_second_clock_alone_is_no_measurement(read):
     text = "Timestamp,Milliseconds,X\n"
     text += "".join(f"2021-07-30 13:28:{54 + i // 20},{50 * i + 1},{i}\n" for i in range(60))

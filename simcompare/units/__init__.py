@@ -76,7 +76,7 @@ MULTIPLES = {
     for prefix, factor in _PREFIXES.items()
 } | {"deg": ("rad", math.pi / 180)}
 
-_SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω"}
+_SYMBOLS = {"**2": "²", "**3": "³", "*": "·", "ohm": "Ω", "tesla": "T"}
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 #: a number of many countries: 0,5 and 1.234,5
 _COMMA = re.compile(r"^\s*([-+]?)(\d+|\d{1,3}(?:\.\d{3})+),(\d+)\s*(|[^\d\s,.].*?)\s*$")

@@ -94,6 +94,8 @@ def conversion(
     unit = quantity.meant(f"{column.name} {name}", wish.unit if wish else column.unit)
     if not unit:
         unit = _odd_unit(column.name)
+    if not unit and not np.isfinite(column.values).any():
+        return Conversion(column.name, "", "", "", reason="is empty")
     if not unit:
         return left_out(column, name, UNKNOWN, "1")
     try:

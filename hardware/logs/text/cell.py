@@ -44,7 +44,8 @@ _SUFFIXES = {
     "ms": "ms", "us": "us", "ns": "ns", "sec": "s", "Nm": "N*m", "mNm": "mN*m", "kHz": "kHz",
     "MHz": "MHz", "mW": "mW", "kW": "kW", "mN": "mN", "kN": "kN",
     "g": "g", "mg": "mg", "mps": "m/s", "mps2": "m/s^2", "ms2": "m/s^2", "kmh": "km/h",
-    "kph": "km/h", "mph": "mph", "pct": "%", "percent": "%", "degF": "degF",
+    "kph": "km/h", "mph": "mph", "radps": "rad/s", "degps": "deg/s",
+    "%": "%", "pct": "%", "percent": "%", "degF": "degF",
 }  # fmt: skip
 _SUFFIXED = re.compile(rf"(.+)_({'|'.join(sorted(_SUFFIXES, key=len, reverse=True))})")
 

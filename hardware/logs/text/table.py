@@ -287,9 +287,12 @@ class _Reader:
                      ignored, origins)  # fmt: skip
 
     def _example(self, k: int) -> str:
-        line = self.source.head[min(self.layout.first_line, len(self.source.head)) - 1]
-        cells = split(line, self.layout.separator)
-        return f"holds text such as {cells[k].strip()[:40]!r}" if k < len(cells) else "holds text"
+        """The first text of a column."""
+        for line in self.source.head[self.layout.first_line - 1 :]:
+            cells = split(line, self.layout.separator)
+            if k < len(cells) and cells[k].strip():
+                return f"holds text such as {cells[k].strip()[:40]!r}"
+        return "holds text"
 
 
 def _is_remark(cells: Sequence[str]) -> bool:
