@@ -14,7 +14,7 @@ from simcompare.errors import InputError
 from simcompare.hardware import joints
 from simcompare.hardware.logs import profiles
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text import clocks, rostopic, sniff
+from simcompare.hardware.logs.text import clocks, console, rostopic, sniff
 from simcompare.hardware.logs.text import dates as _dates
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
@@ -40,7 +40,8 @@ def recognises(head: Head) -> int:
     if not lines or lines[0].lstrip().startswith(("{", "<", "[{", "[[")):
         return 0
     try:
-        layout = sniff.sniff(_source.opened(str(head.path), lambda: head.path.open("rb")))
+        source = console.unrolled(_source.source_of(head.path))
+        layout = sniff.sniff(source)
     except InputError as error:
         # a table in which something is wrong: its reader says what
         return 5 if any("line " in fault for fault in error.faults) else 0
@@ -55,12 +56,14 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     Raises:
         InputError: every fault with its line and column, up to twenty, then their number.
     """
-    return read_source(_source.source_of(path), mapping)
+    return read_source(console.unrolled(_source.source_of(path)), mapping)
 
 
 def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     """The same for a file within an archive."""
     layout = sniff.sniff(source, _cell.wanted_names(mapping))
+    if len(source.labels) == len(layout.names):
+        layout = replace(layout, names=_cell.labelled(source.labels), header="labels")
     names = [name for name, _ in layout.names]
     found = profiles.find(Path(source.label).name, layout.preamble, layout.names)
     layout = replace(layout, names=found.names) if found else layout

@@ -1,4 +1,4 @@
-"""MATLAB files: version 5 to 7 with scipy, version 7.3 with h5py. Nothing in them is executed."""
+"""MATLAB files: version 4 to 7 with scipy, version 7.3 with h5py. Nothing in them is executed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs.binary import arrays, mat_tree
+from simcompare.hardware.logs.binary import arrays, mat_tree, mat_v4
 from simcompare.hardware.logs.binary.arrays import Block
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
@@ -21,14 +21,15 @@ TITLE = "a MATLAB file"
 
 _TIME_WORD = re.compile(r"^(time|t|zeit)_?(.*)$|^(.*?)_?(time|t|zeit)$", re.IGNORECASE)
 _MAX_SHOWN = 16
+#: steps of a clock are as equal as single precision tells them
+_EVEN = 1e-3
 
 
 def recognises(head: Head) -> int:
     """By the text at the beginning and the mark of the byte order."""
     if head.start.startswith(b"MATLAB ") and b"MAT-file" in head.start[:124]:
         return 100
-    # version 4 has no text; its first number names the machine and the type
-    return 0
+    return 90 if mat_v4.begins(head.start) else 0
 
 
 @dataclass
@@ -160,8 +161,23 @@ def _matrix_blocks(content: _Sorted) -> list[tuple[Block, list[str]]]:
         block = Block("")
         for name in names:
             block.columns += _columns(name, content.matrices[name], block)
+        if len(names) == 1:
+            _name_time(names[0], content.matrices[names[0]], block)
         made.append((block, names))
     return made
+
+
+def _name_time(name: str, array: np.ndarray, block: Block) -> None:
+    """The first row of a wide matrix is the time, where it increases in even steps."""
+    if array.ndim != 2 or array.shape[0] < 2 or array.shape[0] >= array.shape[1]:
+        return
+    steps = np.diff(block.columns[0].values)
+    if not (np.isfinite(steps).all() and (steps > 0).all()):
+        return
+    if np.ptp(steps) <= _EVEN * float(np.median(steps)):
+        block.columns[0].name, block.columns[0].unit = "time", "s"
+        text = f"the first row of {name} is taken as the time in s, as Simulink's To File writes it"
+        block.repairs.append(Repair("first_row_time", INFO, text, block.name, "time"))
 
 
 def _cell_streams(content: _Sorted, log: RawLog) -> list[RawStream]:

@@ -140,9 +140,13 @@ def _padded(cells: Sequence[str], width: int) -> list[str]:
 
 
 def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
-    """``X,CH1,Start,Increment`` and below it ``Sequence,Volt,-0.1,1e-6``."""
+    """``X,CH1,Start,Increment`` and below it ``Sequence,Volt,-0.1,1e-6``; X may be missing."""
     head = [cell.strip() for cell in sniff.split(lines[0], ",")] if lines else []
-    if len(head) < 4 or head[0] != "X" or head[-1 if head[-1] else -2] != "Increment":
+    while head and not head[-1]:
+        head.pop()
+    if len(head) < 3 or head[-2:] != ["Start", "Increment"]:
+        return None
+    if not all(re.fullmatch(r"X|CH\d|MATH\d?|D\d+(-D\d+)?|REF\d*", name) for name in head[:-2]):
         return None
     below = [cell.strip() for cell in sniff.split(lines[1], ",")] if len(lines) > 1 else []
     at = head.index("Increment")
@@ -153,10 +157,11 @@ def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
             label, [f"line 2: {shown!r} is no start and increment; expected two numbers, such as"
                     " -0.1,1e-6, the second above 0"],
         )  # fmt: skip
-    names = [(head[0], "1")]
-    names += [(name, unit(below[i + 1])) for i, name in enumerate(head[1 : at - 1])]
-    layout = _layout(label, lines, 2, names)
-    return Plan("Rigol", layout, start, step, counter=head[0])
+    names = [
+        (name, "1" if name == "X" else unit(below[i])) for i, name in enumerate(head[: at - 1])
+    ]
+    counter = "X" if head[0] == "X" else None
+    return Plan("Rigol", _layout(label, lines, 2, names), start, step, counter=counter)
 
 
 def _settings_beside(label: str, lines: Sequence[str]) -> Plan | None:
@@ -276,7 +281,7 @@ _LAYOUTS: dict[str, Callable[[str, Sequence[str]], Plan | None]] = {
 def _clipped(table: Table) -> list[Repair]:
     """Samples beyond the range are written as infinite; they become missing, the range is noted."""
     repairs = []
-    for column in table.columns[1:]:
+    for column in table.columns:
         high, low = np.isposinf(column.values), np.isneginf(column.values)
         beyond = np.flatnonzero(high | low)
         if not len(beyond):

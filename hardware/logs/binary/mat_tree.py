@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs.binary import mat_check
+from simcompare.hardware.logs.binary import mat_check, mat_v4
 
 _MAX_DEPTH = 16
 _MAX_CELLS = 100_000
@@ -44,7 +44,7 @@ def _load_5(path: Path) -> dict[str, object]:
     import scipy.io
 
     try:
-        mat_check.check(path)  # scipy itself ends the program on some damaged files
+        _check(path)  # scipy itself ends the program on some damaged files
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             variables = scipy.io.loadmat(path, struct_as_record=True, chars_as_strings=True)
@@ -55,6 +55,15 @@ def _load_5(path: Path) -> dict[str, object]:
         text = f"is damaged ({type(error).__name__}: {error}"[:300]
         raise InputError(str(path), [f"{text}); save it again with save -v7"]) from None
     return {name: _plain(value) for name, value in variables.items() if not name.startswith("__")}
+
+
+def _check(path: Path) -> None:
+    with path.open("rb") as file:
+        start = file.read(128)
+    if not mat_v4.begins(start):
+        mat_check.check(path)
+    elif fault := mat_v4.fault(path):
+        raise mat_check.Damaged(fault)
 
 
 def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file may hold)

@@ -155,6 +155,16 @@ def headings(
     return list(zip(told_apart(whole), (unit for _, unit, _ in heads), strict=True))
 
 
+def labelled(labels: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+    """Names and units of values with labels; a unit behind the value goes before one in its label.
+
+    Args:
+        labels: what stands before a value, and the unit behind it.
+    """
+    names = headings([label for label, _ in labels], [unit for _, unit in labels])
+    return tuple(names)
+
+
 def _counts(full: str, fulls: Sequence[str]) -> bool:
     """Whether the ``[1]`` of a heading counts, beside ``[2]``, or the ``(A)`` beside ``(B)``."""
     match = _ONE_LETTER.fullmatch(full)

@@ -37,6 +37,8 @@ class Source:
         head: lines at its beginning, without their ends.
         complete: whether these are all lines.
         repairs: what was noticed so far.
+        rewrite: makes a line of a table of each, where a console wrote it.
+        labels: names and units of the columns that stood beside the values.
     """
 
     label: str
@@ -47,6 +49,8 @@ class Source:
     head: tuple[str, ...]
     complete: bool
     repairs: tuple[Repair, ...]
+    rewrite: Callable[[str], str] | None = None
+    labels: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -160,6 +164,7 @@ def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
                 )
             ended = not (is_last and rest)
             lines = [line.rstrip("\r") for line in (lines if ended else [*lines, rest])]
+            lines = [*map(source.rewrite, lines)] if source.rewrite else lines
             start = max(number, first_line)
             if lines[start - number :]:
                 yield Block(start, lines[start - number :], ended)
