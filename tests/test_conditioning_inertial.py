@@ -140,7 +140,7 @@ def test_a_wrong_unit_of_a_gyroscope_is_found_by_gravity(factor, declared, right
     force, rate = turned()
     data = columns(force, factor * rate, rate_unit=declared)
     (fault,) = checked(TIME, data).faults
-    assert f"gyr_x: {{column: 'gyr_x', unit: {right}}}" in fault
+    assert f"gyr_x: {{column: gyr_x, unit: {right}}}" in fault
     work = checked(TIME, data, assume_units=True)
     assert work.faults == []
     assert rules(work) == [("unit_mistake", REPAIR)] * 3
@@ -167,12 +167,9 @@ def test_axes_of_a_gyroscope_that_do_not_fit_are_warned_of(axes, told, left_hand
     assert ("left-handed" in text) == left_handed
     assert work.repairs[0].after["explained"] > 0.9
     # the lines that the message proposes bring it in order
-    lines = text.split("mapping file: ")[1].split("; ")
     import yaml
 
-    channels = {}
-    for line in lines:
-        channels |= yaml.safe_load(line.replace(": {", ": {", 1))
+    channels = yaml.safe_load(text.split("mapping file: ")[1])["channels"]
     channels |= {
         f"acc_{axis}": {"column": f"acc_{axis}", "unit": "m/s^2"} for axis in "xyz"
     }  # fmt: skip
@@ -230,9 +227,9 @@ def test_a_proposed_rotation_is_right_handed_and_fits():
     )
     (fault,) = checked(TIME, columns(force, 0 * force), {"up": "+z"}).faults
     # least turn: a quarter about x, so that y becomes -z
-    assert "acc_z: {column: 'acc_y', unit: m/s^2, sign: -1}" in fault
-    assert "acc_y: {column: 'acc_z', unit: m/s^2}" in fault
-    assert "acc_x: {column: 'acc_x', unit: m/s^2}" in fault
+    assert "acc_z: {column: acc_y, unit: m/s^2, sign: -1}" in fault
+    assert "acc_y: {column: acc_z, unit: m/s^2}" in fault
+    assert "acc_x: {column: acc_x, unit: m/s^2}" in fault
 
 
 def test_a_slanted_device_has_no_axis_up():

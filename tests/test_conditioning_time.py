@@ -532,5 +532,5 @@ def test_a_log_that_ends_early_names_one_and_the_same_row():
 def test_a_column_that_increases_is_proposed_as_the_time():
     stream = clean(100)
     stream.columns[0].name, stream.time = "ticker", None
-    with pytest.raises(InputError, match=r"'ticker' increases .*column: ticker, unit: s"):
+    with pytest.raises(InputError, match=r"'ticker' increases .*: time: {column: ticker, unit: s}"):
         conditioned(stream)

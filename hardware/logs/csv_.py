@@ -11,10 +11,10 @@ import numpy as np
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware import joints
+from simcompare.hardware import joints, proposed_time
 from simcompare.hardware.logs import profiles
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text import clocks, console, rostopic, sniff
+from simcompare.hardware.logs.text import clocks, console, rostopic, side_by_side, sniff
 from simcompare.hardware.logs.text import dates as _dates
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
@@ -92,7 +92,8 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     if found:
         found.finish(log)
     joints.mark(log.streams[0].columns)
-    _say_candidate(log, mapping)
+    if mapping.time is None and joined is None:
+        side_by_side.split(log, [layout.names[k][0] for k in times])
     return log
 
 
@@ -174,8 +175,11 @@ def _time(
     if not columns:
         return None, Clock("no clock")
     column = clocks.same(columns) if len(columns) > 1 else columns[0]
+    if column is None and side_by_side.blocks(table.columns, names):
+        column = columns[0]
+        columns = [column]
     if column is None:
-        raise InputError(label, [clocks.several_times(names)])
+        raise InputError(label, [proposed_time.several(columns)])
     if len(columns) > 1:
         others = ", ".join(repr(c.name) for c in columns if c is not column)
         text = f"the clock is {column.name!r}; {others} tells the same time"
@@ -236,18 +240,3 @@ def _join(table: Table, joined: tuple[str, str]) -> None:
     table.origins[clock.name] += table.origins[date.name]
     table.columns.remove(date)
     table.ignored[date.name] = f"was added to column {clock.name!r}"
-
-
-def _say_candidate(log: RawLog, mapping: Mapping) -> None:
-    """Names a first column that increases, where nothing says which column is the time."""
-    stream = log.streams[0]
-    if stream.time is not None or mapping.time is not None or len(stream) < 2:
-        return
-    first = stream.columns[0]
-    values = first.values[: 1 << 20]
-    if np.all(np.diff(values) > 0):
-        text = (
-            f"column {first.name!r} increases from row to row and may be the time; if it is, say"
-            f" so in a mapping file (--map): time: {{column: {first.name!r}, unit: s}}"
-        )
-        log.repairs.append(Repair("time_candidate", INFO, text, channel=first.name))

@@ -129,7 +129,9 @@ def _accidents(work: Work) -> None:
         work.fault(
             f"{'one row has' if len(other) == 1 else f'{len(other)} rows have'} the stamp of the"
             f" row before but other values ({intervals.shorten(other + 1, work)}), in no pattern;"
-            " one of each is wrong: correct or remove it (duplicate_time)",
+            " one of each is wrong: correct or remove it or, if samples are evenly spaced, write"
+            f" into a mapping file (--map): time: {{rate_Hz: {_mean_rate(work):.6g}}}"
+            " (duplicate_time)",
             sample=int(other[0]) + 1,
             channel=work.stream.time or "",
         )
@@ -205,11 +207,16 @@ def _no_pattern(work: Work, first: Indices, count: Indices) -> None:
     work.fault(
         f"{int((count - 1).sum())} samples share a stamp with the one before"
         f" ({intervals.shorten(sharing, work)}) and follow no pattern that tells when they were"
-        ' taken; if they are evenly spaced, write "time: {rate_Hz: …}" into a mapping file (--map)'
-        " (duplicate_time)",
+        " taken; if they are evenly spaced, write into a mapping file (--map):"
+        f" time: {{rate_Hz: {_mean_rate(work):.6g}}} (duplicate_time)",
         sample=int(sharing[0]),
         channel=work.stream.time or "",
     )
+
+
+def _mean_rate(work: Work) -> float:
+    """Samples in a second, over the whole log."""
+    return (len(work.time_s) - 1) / float(np.ptp(work.time_s))
 
 
 def _weighted_median(values: Array, weights: Indices) -> float:

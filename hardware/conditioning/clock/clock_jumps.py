@@ -103,8 +103,8 @@ def _refuse(work: Work, jumps: Indices, median: float) -> None:
             text = (
                 f"the clock {how} from the {work.stream.row_word} before{why}; it was changed"
                 " while the log was written, and no column counts the samples. Correct the stamps"
-                f' or, if the samples are evenly spaced, write "time: {{rate_Hz: {rate}}}" into a'
-                " mapping file (--map)"
+                " or, if the samples are evenly spaced, write into a mapping file (--map):"
+                f" time: {{rate_Hz: {rate}}}"
             )
         work.fault(f"{text} (clock_jump)", sample=i + 1, channel=work.stream.time or "")
     if len(jumps) > _NAMED:

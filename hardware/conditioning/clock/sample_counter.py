@@ -16,8 +16,19 @@ _NAME = re.compile(
     r"^(seq|sequence|counter|packet|frame|sample)s?[ _.]?(no|nr|num|number|id|count|counter)?$",
     re.IGNORECASE,
 )
+#: and those that count or number anything
+_COUNTS = re.compile(
+    r"(?:^|[ _.#])(?:seq|sequence|count|counter|packet|frame|sample|scan|index|idx|id|row|record"
+    r"|line|no|nr|num|number|cycle|unnamed: \d+)s?\.?$|^(?:#|n|i|k|(?:packet|frame|sample)s?\b.*)$",
+    re.IGNORECASE,
+)
 #: numbers after which counters begin again
 WRAPS = (2.0**8, 2.0**16, 2.0**32)
+
+
+def is_named(name: str) -> bool:
+    """Whether a name says that a column numbers rows, and tells no time."""
+    return bool(_COUNTS.search(name.strip()))
 
 
 def column_of(work: Work) -> RawColumn | None:

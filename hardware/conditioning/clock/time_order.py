@@ -32,7 +32,8 @@ def check(work: Work) -> None:
     if median <= 0:
         work.fault(
             "the time never goes on; expected stamps that increase. If the samples are evenly"
-            ' spaced, say so in a mapping file (--map): "time: {rate_Hz: …}"',
+            " spaced, write into a mapping file (--map), with as many samples a second as there"
+            " were: time: {rate_Hz: 100}",
             channel=work.stream.time or "",
         )
         return

@@ -12,6 +12,7 @@ from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.mapping_lines import time_line
 from simcompare.hardware.raw import RawColumn, room
 
 #: what a log without unit may count in, and how much that is
@@ -23,9 +24,10 @@ _ENDINGS = {"ms": "ms", "us": "us", "µs": "us", "μs": "us", "ns": "ns"}
 _EPOCH = (978.3e6, 2208.9e6)
 #: how long the samples of a device may lie apart where only the stamps can tell [s]
 _USUAL = (0.9e-4, 1.1)
+#: and how long they mostly do [s]
+_LIKELY = 0.01
 #: and at all, where a unit is given [s]
 _POSSIBLE = (1e-12, 3700.0)
-_HOW = 'write a mapping file (--map) with "time: {{column: {column!r}, unit: {unit}}}"'
 
 
 def check(work: Work) -> None:
@@ -73,7 +75,7 @@ def _factor(work: Work, column: RawColumn) -> float | None:
 
 
 def _without_unit(work: Work, column: RawColumn, step: float, first: float) -> float | None:
-    name = _epoch_unit(first)
+    name = epoch_unit(first)
     if name is not None and _possible(step * _UNITS[name]):
         work.info(
             "time_unit", f"the times have no unit; {first:.0f} is {_date(first * _UNITS[name])}"
@@ -94,7 +96,7 @@ def _contradicted(
     work: Work, column: RawColumn, step: float, first: float, factor: float
 ) -> float | None:
     """The factor of a declared unit, unless the stamps cannot be in it."""
-    epoch = _epoch_unit(first)
+    epoch = epoch_unit(first)
     # a date in the far future, or stamps of 2001 to 2040 at a rate that no other reading explains
     future = abs(first) * factor > 4 * _EPOCH[1] and epoch is not None
     elsewhere = (
@@ -129,7 +131,8 @@ def _decide(
             after={"median_dt_s": step * _UNITS[fitting[0]]},
         )  # fmt: skip
         return _UNITS[fitting[0]]
-    how = _HOW.format(column=column.name, unit=fitting[0] if len(fitting) == 1 else "…")
+    best = min(fitting, key=lambda name: abs(np.log(step * _UNITS[name] / _LIKELY)), default="s")
+    how = f"write into a mapping file (--map): {time_line(column.name, best)}"
     guess = f" ({fits})" if fits else ""
     work.fault(f"{now}{guess}; {how}", channel=column.name)
     return None
@@ -147,7 +150,7 @@ def _make(work: Work, column: RawColumn, factor: float) -> None:
         work.stream.clock = replace(work.stream.clock, start=date)
 
 
-def _epoch_unit(first: float) -> str | None:
+def epoch_unit(first: float) -> str | None:
     """Unit in which a stamp counts from 1970 to a day between 2001 and 2040."""
     return next(
         (name for name, f in _UNITS.items() if _EPOCH[0] <= first * f <= _EPOCH[1]), None

@@ -22,6 +22,7 @@ from simcompare.hardware.conditioning.units.meaning import (
 )
 from simcompare.hardware.conditioning.units.rest import rest
 from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.mapping_lines import channels_line
 from simcompare.hardware.raw import IMPORT
 from simcompare.model.trajectory import Array
 
@@ -143,7 +144,7 @@ def _turned_lines(triad: Triad, turn: Array) -> str:
         sign = 1 if row[source] > 0 else -1
         line = mapping_line(taken, taken.unit, sign=sign)
         lines.append(line.replace(taken.name, claim.name, 1) if taken is not claim else line)
-    return "; ".join(lines)
+    return channels_line(*lines)
 
 
 def _turning(work: Work, force: Triad, turn: Triad) -> None:
@@ -180,7 +181,7 @@ def _axis_text(row: Array) -> str:
 
 def _gyroscope_unit(work: Work, turn: Triad, fit: turning.Turning, text: str) -> None:
     if not work.assume_units:
-        lines = "; ".join(mapping_line(claim, fit.unit) for claim in turn)
+        lines = channels_line(*(mapping_line(claim, fit.unit) for claim in turn))
         work.fault(
             f"{text}, not {turn[0].unit}: write in the mapping file {lines};"
             f" or {IMPORT} --assume-units"

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Iterable, Sequence
 
 from simcompare import units
 from simcompare.hardware.mapping import PRISMATIC, REVOLUTE
+from simcompare.hardware.mapping_lines import quoted
 from simcompare.hardware.raw import IMPORT, RawColumn
 from simcompare.model.recording import Conversion
 
@@ -41,13 +40,6 @@ def left_out(column: RawColumn, name: str, reason: str, unit: str) -> Conversion
     column_, unit_ = (quoted(text) for text in (column.name, unit))
     cure = f"channels: {{{stem}: {{column: {column_}, unit: {unit_}}}}}"
     return Conversion(column.name, column.unit, "", "", reason=reason, cure=cure)
-
-
-def quoted(text: str) -> str:
-    """A text as YAML reads it back; plain where it can only be a text, or the unit 1."""
-    simple = re.fullmatch(r"[A-Za-z][\w /^*.·²°µ-]*[\w²°µ]|1|[A-Za-z]", text)
-    reserved = text.lower() in ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
-    return text if simple and not reserved else json.dumps(text, ensure_ascii=False)
 
 
 def told(conversions: Iterable[Conversion]) -> list[str]:

@@ -14,6 +14,7 @@ from simcompare.errors import InputError
 from simcompare.hardware.conditioning.units import naming, quantity
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap
+from simcompare.hardware.mapping_lines import quoted
 from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
 
@@ -126,14 +127,14 @@ def _divide(column: RawColumn, divisor: float) -> None:
 
 
 def mapping_line(claim: Claim, unit: str, divisor: float = 1.0, sign: int = 1) -> str:
-    """The line of a mapping file that says so."""
+    """What ``channels:`` of a mapping file says then."""
     wish = claim.wish
     scale = (wish.scale if wish else 1.0) / divisor
     turned = (wish.sign if wish else 1) * sign
     more = f", scale: {scale:.6g}" if scale != 1.0 else ""
     more += f", sign: {turned}" if turned != 1 else ""
     name = claim.name.removesuffix(units.suffix_of(claim.name))
-    return f"{name}: {{column: {claim.column.name!r}, unit: {unit}{more}}}"
+    return f"{name}: {{column: {quoted(claim.column.name)}, unit: {quoted(unit)}{more}}}"
 
 
 #: words for the rate along an axis that name the axis

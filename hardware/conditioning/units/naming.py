@@ -6,10 +6,9 @@ import re
 import unicodedata
 from collections.abc import Container, Sequence
 
-import numpy as np
-
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware import proposed_time
 from simcompare.hardware.conditioning.units import quantity
 from simcompare.hardware.conditioning.units.left_out import UNKNOWN, left_out
 from simcompare.hardware.conditioning.work import Work
@@ -44,17 +43,7 @@ def _settle_time(work: Work, names: Sequence[str]) -> None:
             wanted = " or ".join(time.columns)
             work.fault(f"there is no one column {wanted} for the time; it has {', '.join(names)}")
     if stream.time is None and stream.increment_s is None:
-        likely = next((c.name for c in stream.columns if _increases(c)), "…")
-        hint = f"; {likely!r} increases from row to row and may be it" if likely != "…" else ""
-        work.fault(
-            f"no column is a time (columns: {', '.join(names[:20])}){hint}. Write a mapping file"
-            f" (--map) with time: {{column: {likely}, unit: s}} or time: {{rate_Hz: …}}"
-        )
-
-
-def _increases(column: RawColumn) -> bool:
-    """Whether every value is larger than the one before."""
-    return len(column.values) > 2 and bool((np.diff(column.values) > 0).all())
+        work.fault(proposed_time.no_time(stream))
 
 
 def _settle_unit(work: Work, column: RawColumn, names: Sequence[str]) -> None:

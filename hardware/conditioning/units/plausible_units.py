@@ -24,6 +24,7 @@ from simcompare.hardware.conditioning.units.meaning import (
 from simcompare.hardware.conditioning.units.quantity import measures_acceleration
 from simcompare.hardware.conditioning.units.rest import rest
 from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.mapping_lines import channels_line, time_line
 from simcompare.hardware.raw import IMPORT
 
 G = 9.80665
@@ -57,6 +58,9 @@ _MISTAKEN = {
 _AIR_PA = (5.0e4, 1.09e5)
 _AIR_WORDS = ("baro", "atmos", "ambient", "air", "qnh", "press")
 _NO_AIR_WORDS = ("diff", "gauge", "tyre", "tire", "pitot", "oil", "fuel", "vacuum", "cylinder")
+
+#: units of clocks, in seconds
+_CLOCKS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0}
 
 
 def check(work: Work) -> None:
@@ -110,7 +114,7 @@ def _acceleration(work: Work, triad: Sequence[Claim]) -> None:
             after = {"rest_m_s2": size / divisor * units.si_of(unit, "")[0]}
             take(work, claim, unit, full, before, after, divisor)
     elif first.unit:
-        lines = "; ".join(mapping_line(claim, unit, divisor) for claim in triad)
+        lines = channels_line(*(mapping_line(claim, unit, divisor) for claim in triad))
         work.fault(
             f"{text} {units.symbol(first.unit)}; gravity is 9.8 m/s². That number fits {meant}:"
             f" write in the mapping file {lines}; or {IMPORT} --assume-units"
@@ -144,7 +148,7 @@ def _derivative(work: Work, position: Claim, rate: Claim) -> None:
     if slope.value < 0:
         work.fault(
             f"{text}; one of the two counts the other way: turn it in the mapping file, such as"
-            f" {mapping_line(rate, rate.unit, sign=-1)}; {way_out}"
+            f" {channels_line(mapping_line(rate, rate.unit, sign=-1))}; {way_out}"
         )
     if 1 / NEAR_ONE <= size <= NEAR_ONE:
         return
@@ -155,13 +159,13 @@ def _derivative(work: Work, position: Claim, rate: Claim) -> None:
         text += f"; {claim.column.name!r} was taken as {unit}, which fits"
         take(work, claim, unit, text, {"slope": slope.value}, {"slope": fitted})
     elif cures:
-        lines = " or ".join(mapping_line(claim, unit) for claim, unit in cures)
+        lines = " or ".join(channels_line(mapping_line(*cure)) for cure in cures)
         more = f"; or {IMPORT} --assume-units" if len(cures) == 1 and slope.value > 0 else ""
         work.fault(f"{text}; expected 1. Write in the mapping file {lines}{more}; {way_out}")
     elif clock := _clock_factor(size):
         work.fault(
             f"{text}; expected 1. A factor of {clock} on all rates means a wrong unit of the time:"
-            f" name it in the mapping file (time: {{column: …, unit: …}}); {way_out}"
+            f" write into the mapping file {_clock_line(work, size)}; {way_out}"
         )
     elif abs(slope.alike) >= VERY_ALIKE:
         work.warn(
@@ -194,6 +198,16 @@ def _clock_factor(size: float) -> str:
     return next((text for text, factor in known.items() if near(size, factor, NEAR_FACTOR)), "")
 
 
+def _clock_line(work: Work, size: float) -> str:
+    """The line that makes steps of the time so many times as long."""
+    stream = work.stream
+    if stream.time is None:
+        return f"time: {{rate_Hz: {1 / ((stream.increment_s or 1.0) * size):.6g}}}"
+    wanted = units.si_of(stream.column(stream.time).unit or "s", "")[0] * size
+    unit = min(_CLOCKS, key=lambda name: abs(np.log(_CLOCKS[name] / wanted)))
+    return time_line(stream.time, unit)
+
+
 def _pressure(work: Work, claim: Claim) -> None:
     """The pressure of the air is near 10⁵ Pa; 1013 Pa are 1013 hPa."""
     name = f"{claim.column.name} {claim.name}".lower()
@@ -221,7 +235,7 @@ def _pressure(work: Work, claim: Claim) -> None:
         take(work, claim, unit, full, {"median_Pa": middle}, {"median_Pa": fitted})
     else:
         work.fault(
-            f"{text}: write in the mapping file {mapping_line(claim, unit)},"
+            f"{text}: write in the mapping file {channels_line(mapping_line(claim, unit))},"
             f" or {IMPORT} --assume-units;"
             " if it is a difference of pressures, call it so (gauge_pressure)",
             channel=claim.column.name,

@@ -16,6 +16,7 @@ from simcompare.hardware.conditioning.units.meaning import (
     take,
 )
 from simcompare.hardware.conditioning.work import Work
+from simcompare.hardware.mapping_lines import channels_line
 from simcompare.hardware.raw import IMPORT
 
 _WORDS = frozenset(
@@ -77,8 +78,8 @@ def _judge(work: Work, speed: Claim, rate: Claim, ratio: float) -> None:
     elif unit:
         work.fault(
             f"{text}; expected 1. Either the rate is in {unit} (write in the mapping file"
-            f" {mapping_line(rate, unit)}, or {IMPORT} --assume-units), or the speed was computed"
-            " as π·D·ω with ω in rad/s; it is π·D·n with turns a second"
+            f" {channels_line(mapping_line(rate, unit))}, or {IMPORT} --assume-units), or the speed"
+            " was computed as π·D·ω with ω in rad/s; it is π·D·n with turns a second"
         )
     elif near(size, 2.0, _NEAR) or near(size, 0.5, _NEAR):
         work.warn(

@@ -108,6 +108,10 @@ def is_unit(text: str) -> bool:
 def heading(text: str) -> tuple[str, str]:
     """Name and unit of a column: ``acc (m/s^2)``, ``acc [g]``, ``t / s``, ``U/V``, ``t_ms``."""
     text = " ".join(text.split())
+    run, name = clocks.of_run(text)
+    if run and text.endswith(run):  # Time (s) Run #2
+        stem, unit = heading(name)
+        return (f"{stem} {run}", unit) if unit else (text, "")
     match = _BRACKETS.fullmatch(text)
     if match and clocks.may_be_time(match[1]) and clocks.spelled(match[2]):
         return match[1].strip(), clocks.spelled(match[2])

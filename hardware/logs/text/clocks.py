@@ -23,6 +23,14 @@ _ALSO_TIME = re.compile(
     r"|since start|from start))?",
     re.IGNORECASE,
 )
+#: names in a table of several runs: "Latest: Time", "Time Run #2", "t #2"
+_RUN_WORD = r"(?:run|trial|set|data ?set|series|messung|essai) ?(?:#|no\.? ?|nr\.? ?)?\d+"
+_RUN_FIRST = re.compile(
+    rf"(?P<run>{_RUN_WORD}|latest|(?:[^:]*[^:\s])(?=: ))[: _-]+(?P<name>\S.*)", re.IGNORECASE
+)
+_RUN_LAST = re.compile(
+    rf"(?P<name>.*?\S)[ _-]+(?P<run>#\d+|[(\[]?{_RUN_WORD}[)\]]?)", re.IGNORECASE
+)
 #: spans of time that are no clock
 _SPANS = re.compile(r"delta|\bd ?t\b|period|delay|duration|rise|response|exposure|step|run", re.I)
 _SECONDS = re.compile(r"(milli|micro|nano)?(?:sec(?:ond)?s?|s)(?: elapsed)?")
@@ -49,8 +57,14 @@ def is_span(name: str) -> bool:
 
 def _bare(name: str) -> str:
     """A name without its unit and without its number among its like."""
-    name = re.sub(r" #\d+$", "", name).strip(" _").removesuffix("_s")
+    name = of_run(name)[1].strip(" _").removesuffix("_s")
     return re.sub(r"[_:./]+|(?<=[a-z])(?=[A-Z])", " ", name).strip()
+
+
+def of_run(name: str) -> tuple[str, str]:
+    """The run that a name says it is of, empty where it says none, and the rest of the name."""
+    match = _RUN_FIRST.fullmatch(name) or _RUN_LAST.fullmatch(name)
+    return (match["run"], match["name"].strip()) if match else ("", name)
 
 
 def unit_of_time(name: str) -> str:
@@ -65,15 +79,6 @@ def unit_of_time(name: str) -> str:
 def spelled(unit: str) -> str:
     """A unit of time whose letters have the wrong size, as it is meant; empty for another unit."""
     return _ANY_CASE.get(unit.lower(), "")
-
-
-def several_times(names: Sequence[str]) -> str:
-    """What to say where several columns may be the time."""
-    quoted = " and ".join(repr(name) for name in names[:4])
-    return (
-        f"columns {quoted} may all be the time; say which in a mapping file (--map) with"
-        f" time: {{column: {names[0]}, unit: s}}"
-    )
 
 
 def same(columns: Sequence[RawColumn]) -> RawColumn | None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.errors import InputError
+from simcompare.hardware import proposed_time
 from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import clocks
 from simcompare.hardware.logs.text import dates as _dates
@@ -105,7 +106,7 @@ def _time_of(where: str, names: list[str], mapping: Mapping) -> str | None:
         return next((n for n in names if wanted & {n, short[n]}), None)
     times = [name for name in names if clocks.is_time(short[name].rpartition(".")[2])]
     if len(times) > 1:
-        raise InputError(where, [clocks.several_times(times)])
+        raise InputError(where, [proposed_time.several([RawColumn(n, np.empty(0)) for n in times])])
     return times[0] if times else None
 
 
