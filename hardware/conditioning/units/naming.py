@@ -6,6 +6,8 @@ import re
 import unicodedata
 from collections.abc import Container, Sequence
 
+import numpy as np
+
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware import proposed_time

@@ -47,7 +47,7 @@ def _variable(head: bytes, rest: bytes) -> int:
         known = machine == "<>".index(order) and 0 <= precision < len(_SIZES) and 0 <= kind <= 1
         known = known and code // 100 % 10 == 0 and is_complex in (0, 1)
         if known and rows >= 0 and columns >= 0 and 1 < name <= _MAX_NAME and _is_name(rest[:name]):
-            return _HEAD + name + rows * columns * _SIZES[precision] * (1 + is_complex)
+            return int(_HEAD + name + rows * columns * _SIZES[precision] * (1 + is_complex))
     return 0
 
 
