@@ -7,12 +7,8 @@ import re
 from simcompare import units
 from simcompare.errors import InputError
 
-#: how sheets write units that mean something else in general, or nothing: mg is no milligram here
-_BASES = {
-    "g": "g_0", "mg": "mg_0", "µg": "ug_0", "μg": "ug_0", "ug": "ug_0",
-    "dps": "deg/s", "mdps": "mdeg/s", "°/s": "deg/s", "m°/s": "mdeg/s", "°/h": "deg/h",
-    "°": "deg", "%": "percent", "% FS": "percent", "%FS": "percent",
-}  # fmt: skip
+#: a part of full scale
+_BASES = {"% FS": "percent", "%FS": "percent"}
 #: what a unit can be divided by at its end -> how that is written, and its size in SI
 _PER = {
     "/√Hz": ("√Hz", 1.0), "/rtHz": ("√Hz", 1.0), "/sqrt(Hz)": ("√Hz", 1.0),

@@ -215,7 +215,7 @@ def _meaning(text: str) -> tuple[float, float, str] | str:
     """Factor, offset and SI unit, or what is wrong; a log may ask for thousands of columns."""
     found = spelling.read(text)
     if found is None:
-        return not_a_unit(text)
+        return _not_a_unit(text)
     if not found.expression:
         return 1.0, 0.0, "1"
     if text in MULTIPLES:
@@ -253,7 +253,7 @@ def unit_of_result(
     return known or f"{unit:~C}"
 
 
-def not_a_unit(text: str) -> str:
+def _not_a_unit(text: str) -> str:
     """What to say of a unit that is none, with the one that is written nearly so."""
     bare = text.strip()
     if bare == "?":
