@@ -32,7 +32,7 @@ _RUN_LAST = re.compile(
     rf"(?P<name>.*?\S)[ _-]+(?P<run>#\d+|[(\[]?{_RUN_WORD}[)\]]?)", re.IGNORECASE
 )
 #: spans of time that are no clock
-_SPANS = re.compile(r"delta|\bd ?t\b|period|delay|duration|rise|response|exposure|step|run", re.I)
+_SPANS = re.compile(r"delta|\bd ?t\b|period|delay|duration|rise|response|exposure|step", re.I)
 _SECONDS = re.compile(r"(milli|micro|nano)?(?:sec(?:ond)?s?|s)(?: elapsed)?")
 _IN_WORDS = {None: "s", "milli": "ms", "micro": "us", "nano": "ns"}
 #: units of time in letters of any size: nobody logs siemens against time
