@@ -14,7 +14,7 @@ from simcompare.errors import InputError
 from simcompare.hardware import joints, proposed_time
 from simcompare.hardware.logs import profiles
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text import clocks, console, rostopic, side_by_side, sniff
+from simcompare.hardware.logs.text import clocks, console, restarts, rostopic, side_by_side, sniff
 from simcompare.hardware.logs.text import dates as _dates
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
@@ -26,6 +26,10 @@ from simcompare.model.recording import INFO, Clock, Repair
 
 TITLE = "a table of text (CSV)"
 
+#: name of a clock that nothing tells
+NO_CLOCK = "no clock"
+#: rows by which a table without a header is known
+_FIRST_ROWS = 50
 #: days since 1899-12-30 from 1970 to 2100, as spreadsheets write dates
 _EXCEL = (25569.0, 73050.0)
 #: nanoseconds from 1970 to 2000 and to 2100
@@ -64,6 +68,8 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     layout = sniff.sniff(source, _cell.wanted_names(mapping))
     if len(source.labels) == len(layout.names):
         layout = replace(layout, names=_cell.labelled(source.labels), header="labels")
+    if not layout.header:
+        layout = _named_by_numbers(source, layout)
     names = [name for name, _ in layout.names]
     found = profiles.find(Path(source.label).name, layout.preamble, layout.names)
     layout = replace(layout, names=found.names) if found else layout
@@ -78,13 +84,8 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
         text = f"there is no header; the columns are called {', '.join(n for n, _ in layout.names)}"
         repairs.append(Repair("no_header", INFO, text[:300]))
     time, clock = _time(source.label, table, layout, times, joined, mapping, repairs)
-    rate_Hz = found.rate_Hz if found and time is None and mapping.time is None else None
-    if rate_Hz:
-        clock = Clock(f"{rate_Hz:g} Hz, by the head of the log")
     log = RawLog(
-        [RawStream("log", table.columns, time, clock=clock, first_row=table.first_row,
-                   rows=table.rows, truncated=table.truncated,
-                   increment_s=1 / rate_Hz if rate_Hz else None)],
+        [_stream(table, time, clock, found)],
         repairs=repairs, ignored=table.ignored, about=_cell.about_of(layout.preamble),
     )  # fmt: skip
     if rostopic.is_echo(names):
@@ -94,7 +95,30 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     joints.mark(log.streams[0].columns)
     if mapping.time is None and joined is None:
         side_by_side.split(log, [layout.names[k][0] for k in times])
+    restarts.split(log)
     return log
+
+
+def _stream(
+    table: Table, time: str | None, clock: Clock, found: profiles.Found | None
+) -> RawStream:
+    """All columns with one clock, or with the rate that the head of the log says."""
+    stream = RawStream("log", table.columns, time, clock=clock, first_row=table.first_row,
+                       rows=table.rows, truncated=table.truncated)  # fmt: skip
+    if time is None and clock.name == NO_CLOCK and found and found.rate_Hz:
+        stream.increment_s = 1 / found.rate_Hz
+        stream.clock = Clock(f"{found.rate_Hz:g} Hz, as the head of the log says")
+    return stream
+
+
+def _named_by_numbers(source: _source.Source, layout: Layout) -> Layout:
+    """Names for columns without a header, where the first rows tell what they are."""
+    lines = source.head[layout.first_line - 1 :][:_FIRST_ROWS]
+    cells = [sniff.split(line, layout.separator) for line in lines if line.strip()]
+    rows = [_cell.numbers(row, layout.decimal) for row in cells]
+    names = profiles.name([row.tolist() for row in rows if row is not None])
+    fits = len(names) == len(layout.names)
+    return replace(layout, names=tuple((name, "") for name in names)) if fits else layout
 
 
 def _time_columns(layout: Layout, found: profiles.Found | None) -> list[int]:
@@ -173,7 +197,7 @@ def _time(
         names = [*mapping.time.columns]
     columns = [c for c in table.columns if c.name in names]
     if not columns:
-        return None, Clock("no clock")
+        return None, Clock(NO_CLOCK)
     column = clocks.same(columns) if len(columns) > 1 else columns[0]
     if column is None and side_by_side.blocks(table.columns, names):
         column = columns[0]

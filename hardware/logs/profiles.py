@@ -7,6 +7,7 @@ says so. The first table that fits is taken, and a note in the recording tells w
 from __future__ import annotations
 
 import functools
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,6 +22,8 @@ from simcompare.hardware.raw import RawLog
 from simcompare.model.recording import INFO, Repair
 
 _FOLDER = Path(__file__).parent / "sources"
+#: how far the length of a unit vector is from 1 as numbers are written, and rows that tell
+_ROUNDED, _MIN_ROWS = 1e-3, 5
 #: what stands for a unit that the lines above the header give
 _SAID_ABOVE = "above"
 
@@ -65,6 +68,9 @@ class TableOf(_Part):
         file: found in the name of the file.
         head: found in the lines above the header.
         columns: each of them is there.
+        unnamed: names of all columns, for tables without a header.
+        unit_vector: columns that together have the length 1 in each row, by which such a table is
+            known.
         time: the column of the time; where it is not given it is found by its name.
         rate_Hz: finds the rate in the lines above the header, for tables without a time.
         length: finds the unit of lengths there.
@@ -75,6 +81,8 @@ class TableOf(_Part):
     file: str = ""
     head: str = ""
     columns: tuple[str, ...] = ()
+    unnamed: tuple[str, ...] = ()
+    unit_vector: tuple[str, ...] = ()
     time: str = ""
     rate_Hz: str = ""
     length: str = ""
@@ -152,9 +160,29 @@ def find(file: str, above: Sequence[str], names: Sequence[tuple[str, str]]) -> F
     return None
 
 
+def name(rows: Sequence[Sequence[float]]) -> tuple[str, ...]:
+    """Names of the columns of a table without a header, where its numbers tell whose it is.
+
+    Args:
+        rows: the first ones.
+    """
+    tables = [table for source in sources().values() for table in source.tables if table.unnamed]
+    fitting = (t for t in tables if len(rows) >= _MIN_ROWS and all(_unit(t, row) for row in rows))
+    return next((table.unnamed for table in fitting), ())
+
+
+def _unit(table: TableOf, row: Sequence[float]) -> bool:
+    if len(row) != len(table.unnamed):
+        return False
+    values = dict(zip(table.unnamed, row, strict=True))
+    return abs(math.hypot(*(values[part] for part in table.unit_vector)) - 1) < _ROUNDED
+
+
 def _fits(table: TableOf, file: str, text: str, names: Sequence[str]) -> bool:
+    named = not table.unnamed or [*table.unnamed] == [*names]
     return (
-        bool(re.search(table.file, file, re.IGNORECASE))
+        named
+        and bool(re.search(table.file, file, re.IGNORECASE))
         and bool(re.search(table.head, text))
         and all(any(re.fullmatch(wanted, name) for name in names) for wanted in table.columns)
     )

@@ -78,6 +78,7 @@ _OTHERWISE = frozenset(
         "by",
         "change",
         "current",
+        "bearing",
     )
 )
 #: names of a speed of rotation, whose numbers "1/s" are turns in a second

@@ -47,7 +47,7 @@ _SUFFIXES = {
     "kph": "km/h", "mph": "mph", "radps": "rad/s", "degps": "deg/s",
     "%": "%", "pct": "%", "percent": "%", "degF": "degF",
 }  # fmt: skip
-_SUFFIXED = re.compile(rf"(.+)_({'|'.join(sorted(_SUFFIXES, key=len, reverse=True))})")
+_SUFFIXED = re.compile(rf"(.+(?<!_per))_({'|'.join(sorted(_SUFFIXES, key=len, reverse=True))})")
 
 
 def wanted_names(mapping: Mapping) -> set[str]:

@@ -19,6 +19,8 @@ from simcompare.hardware.logs.text import source as _source
 STAMP = "time of day"
 #: lines that are looked at, and the share of them that must be of one kind
 _LOOKED_AT, _SHARE = 400, 0.6
+#: what a board writes while it starts
+BOOT = re.compile(r"(?:ets |rst:0x|configsip:|clk_drv:|mode:\w+, clock|load:0x|entry 0x|=~=~)")
 _CLOCK = r"(?:\d{4}-\d\d-\d\d[ T])?\d{1,2}:\d\d:\d\d(?:[.,:]\d{1,6})?"
 _STAMPED = re.compile(rf"\s*(?:\[({_CLOCK})\]\s*(?:->|>)?|({_CLOCK})\s*->)\s?(.*)")
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|NaN|NAN|inf|INF|ovf)"

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
+from simcompare.hardware.logs.text import groups
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.dates import DateStyle, looks_like_date, style_of
 from simcompare.hardware.logs.text.marks import marks
@@ -106,7 +107,7 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
     cells = {i: split(lines[i], separator) for i in rows}
     width = _width([cells[i] for i in rows])
     kinds = _kinds([cells[i] for i in rows if len(cells[i]) == width][-len(rows) // 2 - 1 :], width)
-    first = next((i for i in rows if _fits(cells[i], kinds)), None)
+    first = _first(rows, cells, kinds)
     if first is None and _is_header_alone(cells, width):
         shown = ", ".join(cells[rows[0]])[:80]
         raise InputError(
@@ -125,6 +126,9 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
     header, units_row = _header(source, lines, first, separator, kinds)
     head_cells = _header_cells(lines[header], separator, width) if header is not None else []
     below = _header_cells(lines[units_row], separator, width) if units_row is not None else []
+    if header is not None:
+        above = [_wide(lines[i], separator, width) for i in range(header - 1, -1, -1)]
+        head_cells, below = groups.named(_wide(lines[header], separator, width), below, above)
     names = _cell.headings((head_cells + [""] * width)[:width], below, keep)
     body = [(i + 1, cells[i]) for i in rows if i >= first and len(cells[i]) == width]
     decimal, thousands, decided = marks(source.label, body, kinds, names)
@@ -208,6 +212,22 @@ def _fits(cells: Sequence[str], kinds: Sequence[str]) -> bool:
     )
 
 
+def _first(rows: Sequence[int], cells: dict[int, list[str]], kinds: Sequence[str]) -> int | None:
+    """The first row that the next line follows as one, so that it is no line of a head."""
+    fitting = [_fits(cells[i], kinds) for i in rows]
+    for k, i in enumerate(rows):
+        if fitting[k] and (k + 1 == len(rows) or fitting[k + 1]):
+            return i
+    return next((i for i, fits in zip(rows, fitting, strict=True) if fits), None)
+
+
+def _wide(line: str, separator: str, width: int) -> list[str]:
+    """Cells of a line of a header, as many as there are columns."""
+    cells = _header_cells(line, separator, width)
+    short = separator != " " and len(cells) < width
+    return cells + [""] * (width - len(cells)) if short else cells
+
+
 def _with_bad_rows_above(
     first: int, rows: Sequence[int], cells: dict[int, list[str]], kinds: Sequence[str]
 ) -> int:
@@ -231,7 +251,7 @@ def _header_cells(line: str, separator: str, width: int) -> list[str]:
         cells = wide if len(wide) == width else cells
     while len(cells) > width and not cells[-1].strip():
         cells.pop()
-    return cells
+    return groups.of_markers(cells, width)
 
 
 def _header(

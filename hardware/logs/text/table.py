@@ -13,6 +13,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
+from simcompare.hardware.logs.text import console
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.sniff import COMMENTS, Layout, kind_of, split
 from simcompare.hardware.logs.text.state import Faults, State, Table
@@ -151,6 +152,8 @@ class _Reader:
             return "blank_line"
         if bare == self.header:
             return "header_repeated"
+        if console.BOOT.match(bare):
+            return "remark_line"
         return "comment_line" if bare.startswith(COMMENTS) else ""
 
     def _padded(self, cells: list[str]) -> list[str]:
