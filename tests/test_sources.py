@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from simcompare.hardware.logs import profiles
+from simcompare.errors import InputError
+from simcompare.hardware import mapping
+from simcompare.hardware.logs import importers, profiles
 from simcompare.verbs.import_log import import_log
 
 #: g_0 by its definition [m/s^2]
@@ -21,7 +23,8 @@ def rows(template, count=40, step=0.01):
         wave = 0.1 * np.sin(7 * t)
         values = {"t": f"{t:.4f}", "n": n, "ms": round(1e3 * t), "us": round(1e6 * t),
                   "ns": 1711111111000000000 + round(1e9 * t), "w": f"{wave:.5f}",
-                  "epoch": f"{1711111111 + t:.4f}"}  # fmt: skip
+                  "epoch": f"{1711111111 + t:.4f}",
+                  "tc": f"{t:.4f}".replace(".", ","), "h": f"{n:02d}"}  # fmt: skip
         made.append(template.format(**values))
     return "\n".join(made) + "\n"
 
@@ -52,9 +55,188 @@ CASES = {
         "Orientation.csv", "time,seconds_elapsed,yaw,qx,qz,roll,qw,qy,pitch\n",
         "{ns},{t},0.5,0,0,{w},1,0,0.1", {"yaw_rad": 0.5, "qw": 1.0},
     ),
+    "sensor logger gravity": (
+        "Gravity.csv", "time,seconds_elapsed,z,y,x\n", "{ns},{t},9.8,{w},0.25", {"z_m_s2": 9.8},
+    ),
+    "sensor logger compass": (
+        "Compass.csv", "time,seconds_elapsed,magneticBearing\n", "{ns},{t},90",
+        {"magneticbearing_rad": 90 * DEG},
+    ),
+    "sensor logger location": (
+        "Location.csv", "time,seconds_elapsed,speed,altitude,latitude\n", "{ns},{t},1.5,80,52",
+        {"speed_m_s": 1.5, "altitude_m": 80.0, "latitude_rad": 52 * DEG},
+    ),
+    "physics toolbox": (
+        "walk.csv", "time,gFx,gFy,gFz,ax,ay,az,wx,wy,wz,p,Bx,By,Bz\n",
+        "{t},0.01,0.02,1.003,0.1,{w},0.3,0.1,0.2,0.3,1013.2,20,30,40",
+        {"gfz_m_s2": 1.003 * G, "ax_m_s2": 0.1, "wz_rad_s": 0.3, "p_Pa": 101320.0, "bx_T": 20e-6},
+    ),
+    "physics toolbox, decimal comma": (
+        "walk.csv", "time;gFx;gFy;gFz;TgF\n", "{tc};0,01;0,02;1,003;1,003",
+        {"gfz_m_s2": 1.003 * G},
+    ),
     "tum": (
         "poses.txt", "# timestamp tx ty tz qx qy qz qw\n", "{epoch} 1.5 {w} 0.5 0 0 0 1",
         {"tx_m": 1.5, "qw": 1.0},
+    ),
+    "tum without a header": (
+        "poses.txt", "", "{epoch} 1.5 {w} 0.5 0 0 0 1", {"tx_m": 1.5, "qw": 1.0},
+    ),
+    "tum with commas": (
+        "poses.csv", "timestamp,tx,ty,tz,qx,qy,qz,qw\n", "{epoch},1.5,{w},0.5,0,0,0,1",
+        {"tz_m": 0.5},
+    ),
+    "movella dot": (
+        "dot.csv",
+        "sep=,\nDeviceTag:,1\nFirmwareVersion:,3.0.0\nOutputRate:,100Hz\n\n"
+        "PacketCounter,SampleTimeFine,Euler_X,Euler_Y,Euler_Z,FreeAcc_X,FreeAcc_Y,FreeAcc_Z\n",
+        "{n},{us},-90,{w},45,0.5,-0.1,0.2",
+        {"euler_x_rad": -90 * DEG, "freeacc_x_m_s2": 0.5},
+    ),
+    "mt manager": (
+        "mt.txt", "// Update Rate: 100.0Hz\n// Firmware Version: 4.0.2\n"
+        "PacketCounter\tSampleTimeFine\tAcc_X\tAcc_Y\tAcc_Z\tRoll\n",
+        "{n}\t\t0.1\t{w}\t9.8\t90", {"acc_z_m_s2": 9.8, "roll_rad": 90 * DEG},
+    ),
+    "vesc tool": (
+        "log.csv",
+        "ms_today;input_voltage;temp_motor;current_motor;erpm;duty_cycle;amp_hours_used;"
+        "roll;accZ;gyroX;speed_meters_per_sec;\n",
+        "{ms};40.5;25;1.5;{n};0.3;0.5;0.25;1;90;2.5;",
+        {"input_voltage_V": 40.5, "temp_motor_K": 298.15, "current_motor_A": 1.5,
+         "duty_cycle": 0.3, "amp_hours_used_A_s": 1800.0, "roll_rad": 0.25, "accz_m_s2": G,
+         "gyrox_rad_s": 90 * DEG, "speed_meters_per_sec_m_s": 2.5},
+    ),
+    "betaflight": (
+        "flight.csv", "loopIteration,time (us),gyroADC[0],vbatLatest (V)\n", "{n},{us},5,16.5",
+        {"vbatlatest_V": 16.5},
+    ),
+    "betaflight with its head": (
+        "flight.csv", '"Product","Blackbox flight data recorder"\n"blackbox_high_resolution","0"\n'
+        '"loopIteration","time","gyroADC[0]"\n', "{n},{us},90",
+        {"gyroadc_0_rad_s": 90 * DEG},
+    ),
+    "px4 sensor_combined": (
+        "x_sensor_combined_0.csv",
+        "timestamp,gyro_rad[0],gyro_rad[1],gyro_rad[2],accelerometer_m_s2[0],"
+        "accelerometer_m_s2[1],accelerometer_m_s2[2]\n", "{us},0.1,0.2,{w},0.1,0.2,-9.8",
+        {"gyro_rad_0_rad_s": 0.1, "accelerometer_m_s2_2_m_s2": -9.8},
+    ),
+    "px4 local position": (
+        "x_vehicle_local_position_0.csv", "timestamp,x,y,z,vx,vy,vz,heading\n",
+        "{us},1.5,{w},-2,0.5,0,0,0.75", {"x_m": 1.5, "vx_m_s": 0.5, "heading_rad": 0.75},
+    ),
+    "px4 attitude": (
+        "x_vehicle_attitude_0.csv", "timestamp,q[0],q[1],q[2],q[3]\n", "{us},1,0,0,0",
+        {"q_0": 1.0},
+    ),
+    "px4 gyroscope": (
+        "x_sensor_gyro_0.csv", "timestamp,device_id,x,y,z,temperature\n",
+        "{us},1234567,0.1,{w},0.3,25", {"x_rad_s": 0.1, "temperature_K": 298.15},
+    ),
+    "px4 battery": (
+        "x_battery_status_0.csv", "timestamp,voltage_v,current_a,remaining\n",
+        "{us},16.1,12.5,0.5", {"voltage_V": 16.1, "current_A": 12.5, "remaining": 0.5},
+    ),
+    "ardupilot imu": (
+        "imu.csv", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T\n",
+        "{us},0,0.1,0.2,{w},0.1,0.2,-9.8,35",
+        {"gyrx_rad_s": 0.1, "accz_m_s2": -9.8, "t_K": 308.15},
+    ),
+    "ardupilot attitude": (
+        "att.csv", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw\n", "{us},0,90,0,{w},0,45",
+        {"roll_rad": 90 * DEG, "yaw_rad": 45 * DEG},
+    ),
+    "motive": (
+        "take.csv",
+        "Format Version,1.23,Take Name,A,Export Frame Rate,100.0,Rotation Type,Quaternion,"
+        "Length Units,Millimeters,Coordinate Space,Global\n\n"
+        ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Marker\n"
+        ",Name,Box,Box,Box,Box,Box:1\n,ID,1,1,1,1,A1D3\n"
+        ",,Rotation,Rotation,Position,Position,Position\nFrame,Time (Seconds),X,W,X,Y,X\n",
+        "{n},{t},0.1,0.9,1500,{w},1200",
+        {"box_rotation_w": 0.9, "box_position_x_m": 1.5, "box_1_position_x_m": 1.2},
+    ),
+    "motive in metres with angles": (
+        "take.csv",
+        "Format Version,1.23,Rotation Type,XYZ,Length Units,Meters\n\n"
+        ",Type,Rigid Body,Rigid Body\n,Name,Box,Box\n,ID,1,1\n,,Rotation,Position\n"
+        "Frame,Time (Seconds),X,X\n", "{n},{t},90,1.5",
+        {"box_rotation_x_rad": 90 * DEG, "box_position_x_m": 1.5},
+    ),
+    "nexus": (
+        "trial.csv",
+        "Trajectories,,,,,,,\n100,,,,,,,\n,,box:left,,,box:right,,\n"
+        "Frame,Sub Frame,X,Y,Z,X,Y,Z\n,,mm,mm,mm,mm,mm,mm\n",
+        "{n},0,1500,{w},2,3,4,5", {"box_left_x_m": 1.5, "box_right_z_m": 0.005},
+    ),
+    "nexus with one marker": (
+        "trial.csv", "Trajectories\n100\n,,ball,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n",
+        "{n},0,1500,{w},2", {"ball_x_m": 1.5},
+    ),
+    "qualisys": (
+        "run.tsv",
+        "NO_OF_FRAMES\t40\nNO_OF_MARKERS\t2\nFREQUENCY\t100\nDATA_INCLUDED\t3D\n"
+        "MARKER_NAMES\tknee\tankle\n", "1500\t{w}\t2\t3\t4\t5",
+        {"knee_x_m": 1.5, "ankle_z_m": 0.005},
+    ),
+    "qualisys with names of columns": (
+        "run.tsv",
+        "NO_OF_FRAMES\t40\nFREQUENCY\t100\nMARKER_NAMES\tknee\n"
+        "Frame\tTime\tknee X\tknee Y\tknee Z\n", "{n}\t{t}\t1500\t{w}\t2",
+        {"knee_x_m": 1.5},
+    ),
+    "rigol without x": (
+        "NewFile1.csv", "CH1,CH3,Start,Increment,\nVolt,Volt,-0.1,0.01,\n", "1.5,{w},,",
+        {"ch1_V": 1.5},
+    ),
+    "bag by bagpy": (
+        "imu-data.csv",
+        "Time,header.seq,header.frame_id,orientation.w,angular_velocity.x,linear_acceleration.z\n",
+        "{epoch},{n},imu,1,0.1,9.8",
+        {"orientation_w": 1.0, "angular_velocity_x_rad_s": 0.1, "linear_acceleration_z_m_s2": 9.8},
+    ),
+    "plotjuggler": (
+        "run.csv", "__time,/odom/pose/pose/position/x,/odom/twist/twist/angular/z\n",
+        "{epoch},1.5,0.2",
+        {"odom_pose_pose_position_x_m": 1.5, "odom_twist_twist_angular_z_rad_s": 0.2},
+    ),
+    "rostopic": (
+        "imu.csv", "%time,field.header.seq,field.header.stamp,field.angular_velocity.x\n",
+        "{ns},{n},{ns},0.1", {"field_angular_velocity_x_rad_s": 0.1},
+    ),
+    "groups over axes": (
+        "trial.csv", "Time;IMU Acceleration;;;IMU Gyroscope;;\ns;X;Y;Z;X;Y;Z\n"
+        ";m/s^2;m/s^2;m/s^2;rad/s;rad/s;rad/s\n", "{t};0.1;{w};9.8;0.1;0.2;0.3",
+        {"imu_acceleration_z_m_s2": 9.8, "imu_gyroscope_x_rad_s": 0.1},
+    ),
+    "arduino's stamps": (
+        "monitor.txt", "09:41:06.990 -> force_N,angle_deg\n", "09:41:07.{h}0 -> 0.5,90",
+        {"force_N": 0.5, "angle_rad": 90 * DEG},
+    ),
+    "arduino's stamps and tabs": (
+        "monitor.txt", "09:41:06.990 -> force_N\tangle_deg\n", "09:41:07.{h}0 -> 0.5\t90",
+        {"force_N": 0.5, "angle_rad": 90 * DEG},
+    ),
+    "stamps in brackets": (
+        "coolterm.txt", "", "[09:41:07.{h}0] force_N=0.5 temp: 20 C",
+        {"force_N": 0.5, "temp_K": 293.15},
+    ),
+    "labels with units": (
+        "stand.txt", "Ready.\n", "Time: {ms} ms, Thrust: 1.5lbf, Torque: 0.12 Nm",
+        {"thrust_N": 1.5 * 4.4482216152605, "torque_N_m": 0.12},
+    ),
+    "labels of a plotter": (
+        "plot.txt", "", "t_ms:{ms}\tforce_N:0.5\tangle_deg:90",
+        {"force_N": 0.5, "angle_rad": 90 * DEG},
+    ),
+    "labels after the name of a sensor": (
+        "esp32.txt", "ets Jun  8 2016 00:22:57\nrst:0x1 (POWERON_RESET)\n",
+        "IMU: t_ms: {ms} roll_deg: 90 pitch_deg: {w}", {"roll_rad": 90 * DEG},
+    ),
+    "putty": (
+        "putty.log", "=~=~=~=~= PuTTY log 2024.03.22 10:00:00 =~=~=~=~=\nt_ms,force_N\n",
+        "{ms},0.5", {"force_N": 0.5},
     ),
 }  # fmt: skip
 
@@ -111,3 +293,79 @@ def test_a_unit_that_the_log_says_stays():
     )
     assert found is not None
     assert found.names[2] == ("x", "deg/s")
+
+
+@pytest.mark.parametrize(
+    ("runs", "names"),
+    [(["Latest: {}", "Run 1: {}"], ["latest", "run_1"]),
+     (["{} Run #1", "{} Run #2"], ["run_1", "run_2"])],
+)  # fmt: skip
+def test_runs_side_by_side_become_streams(runs, names, tmp_path):
+    head = ",".join(run.format(name) for run in runs for name in ("Time (s)", "Position (m)"))
+    path = tmp_path / "loggerpro.csv"
+    path.write_text(f"{head}\n" + rows("{t},0.5,{t},1.5"), encoding="utf-8")
+    streams = import_log(path).streams
+    assert [*streams] == names
+    values = [stream.channels["position_m"].values[3] for stream in streams.values()]
+    assert values == [0.5, 1.5]
+
+
+def test_a_reset_of_the_board_begins_another_stream(tmp_path):
+    path = tmp_path / "serial.txt"
+    boot = "ets Jun  8 2016 00:22:57\nrst:0x1 (POWERON_RESET),boot:0x13\n"
+    path.write_text(f"t_ms,force_N\n{rows('{ms},0.5')}{boot}{rows('{ms},1.5')}", encoding="utf-8")
+    recording = import_log(path)
+    assert [*recording.streams] == ["run_1", "run_2"]
+    forces = [s.channels["force_N"].values for s in recording.streams.values()]
+    assert [len(force) for force in forces] == [40, 40]
+    assert [force[0] for force in forces] == [0.5, 1.5]
+    restart = [r for r in recording.provenance.repairs if r.rule == "restart"]
+    assert [repair.rows for repair in restart] == [((44, 44),)]
+
+
+def test_a_counter_that_wraps_is_no_reset():
+    from simcompare.hardware.logs.text import runs
+    from simcompare.hardware.raw import RawColumn, RawStream
+
+    ticks = np.arange(65500, 65600.0) % 65536
+    stream = RawStream("log", [RawColumn("t", ticks), RawColumn("x", ticks.copy())], "t")
+    assert runs.after_restarts(stream)[0] == [stream]
+
+
+def test_the_first_value_behind_a_stamp_stays(tmp_path):
+    path = tmp_path / "monitor.txt"
+    path.write_text(rows("09:41:07.{h}0 -> 0.5,0.10,9.79"), encoding="utf-8")
+    raw = importers.read(path, importers.recognise(path), mapping.NOTHING)
+    assert [c.values[7] for c in raw.streams[0].columns[1:]] == [0.5, 0.10, 9.79]
+    assert raw.streams[0].columns[0].values[7] == pytest.approx(0.07, abs=1e-9)  # of doubles
+
+
+def test_the_time_of_day_of_a_console_passes_midnight(tmp_path):
+    path = tmp_path / "monitor.txt"
+    stamps = [f"23:59:59.{900 + 20 * i}" for i in range(5)]
+    stamps += [f"00:00:00.{20 * i:03d}" for i in range(10)]
+    path.write_text("".join(f"{s} -> force_N=0.5\n" for s in stamps), encoding="utf-8")
+    stream = import_log(path).streams["log"]
+    assert stream.time_s[-1] == pytest.approx(0.28, abs=1e-9)  # of doubles
+
+
+def test_matlab_version_4_is_read_and_its_first_row_is_the_time(tmp_path):
+    scipy_io = pytest.importorskip("scipy.io")
+    path = tmp_path / "bench.mat"
+    table = np.vstack([np.arange(40) * 0.002, np.full(40, 0.5), np.full(40, 1.5)])
+    scipy_io.savemat(path, {"data": table}, format="4")
+    assert importers.recognise(path) == "mat"
+    stream = importers.read(path, "mat", mapping.NOTHING).streams[0]
+    assert stream.time == "time"
+    assert [(c.name, c.values[-1]) for c in stream.columns] == [
+        ("time", table[0, -1]), ("data.1", 0.5), ("data.2", 1.5),
+    ]  # fmt: skip
+
+
+def test_a_damaged_file_of_matlab_version_4_is_refused(tmp_path):
+    scipy_io = pytest.importorskip("scipy.io")
+    path = tmp_path / "bench.mat"
+    scipy_io.savemat(path, {"data": np.ones((3, 40))}, format="4")
+    path.write_bytes(path.read_bytes()[:-8])
+    with pytest.raises(InputError, match="the file ends before"):
+        importers.read(path, "mat", mapping.NOTHING)
