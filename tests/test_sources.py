@@ -295,21 +295,6 @@ def test_a_unit_that_the_log_says_stays():
     assert found.names[2] == ("x", "deg/s")
 
 
-@pytest.mark.parametrize(
-    ("runs", "names"),
-    [(["Latest: {}", "Run 1: {}"], ["latest", "run_1"]),
-     (["{} Run #1", "{} Run #2"], ["run_1", "run_2"])],
-)  # fmt: skip
-def test_runs_side_by_side_become_streams(runs, names, tmp_path):
-    head = ",".join(run.format(name) for run in runs for name in ("Time (s)", "Position (m)"))
-    path = tmp_path / "loggerpro.csv"
-    path.write_text(f"{head}\n" + rows("{t},0.5,{t},1.5"), encoding="utf-8")
-    streams = import_log(path).streams
-    assert [*streams] == names
-    values = [stream.channels["position_m"].values[3] for stream in streams.values()]
-    assert values == [0.5, 1.5]
-
-
 def test_a_reset_of_the_board_begins_another_stream(tmp_path):
     path = tmp_path / "serial.txt"
     boot = "ets Jun  8 2016 00:22:57\nrst:0x1 (POWERON_RESET),boot:0x13\n"
@@ -324,12 +309,12 @@ def test_a_reset_of_the_board_begins_another_stream(tmp_path):
 
 
 def test_a_counter_that_wraps_is_no_reset():
-    from simcompare.hardware.logs.text import runs
+    from simcompare.hardware.logs.text import restarts
     from simcompare.hardware.raw import RawColumn, RawStream
 
     ticks = np.arange(65500, 65600.0) % 65536
     stream = RawStream("log", [RawColumn("t", ticks), RawColumn("x", ticks.copy())], "t")
-    assert runs.after_restarts(stream)[0] == [stream]
+    assert restarts.after_restarts(stream)[0] == [stream]
 
 
 def test_the_first_value_behind_a_stamp_stays(tmp_path):
