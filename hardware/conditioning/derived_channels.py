@@ -7,6 +7,8 @@ A ``derive:`` block of a mapping file names new streams and how they are made:
       smooth: {function: low_pass, of: [acc_x, acc_y, acc_z], cutoff_Hz: 5}
       size: {function: magnitude, of: [acc_x, acc_y, acc_z]}
       pose: {function: yaw_pitch_roll, of: [q_w, q_x, q_y, q_z]}
+      swing: {function: angle, of: [x, y]}
+      speed: {function: rate, of: [x, y]}
 
 Later ones may use earlier ones. Every new channel is written into the record of conversions.
 """
@@ -22,6 +24,7 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, TypeAdapter, V
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware.conditioning import derived_motion
 from simcompare.model.recording import Channel, Conversion, Recording, Stream
 from simcompare.model.trajectory import Array
 from simcompare.model.yaml_file import describe, faults_of
@@ -104,7 +107,7 @@ class YawPitchRoll(_OfChannels):
     u_rad: PositiveFloat | None = None
 
 
-Wish = WheelRates | LowPass | Magnitude | YawPitchRoll
+Wish = WheelRates | LowPass | Magnitude | YawPitchRoll | derived_motion.Angle | derived_motion.Rate
 _WISH: TypeAdapter[Wish] = TypeAdapter(Annotated[Wish, Field(discriminator="function")])
 
 
@@ -158,6 +161,10 @@ def _made(recording: Recording, wish: Wish, where: str) -> Stream:
     channels = {name: stream.channels[name] for _, name in needed}
     if isinstance(wish, WheelRates):
         return _wheels(stream, channels, wish, where)
+    if isinstance(wish, derived_motion.Angle):
+        return derived_motion.angle(stream, channels, wish, where)
+    if isinstance(wish, derived_motion.Rate):
+        return derived_motion.rates(stream, channels)
     if isinstance(wish, LowPass):
         rate_Hz = _rate_of(stream, where)
         if not wish.cutoff_Hz < rate_Hz / 2:
