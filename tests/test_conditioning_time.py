@@ -403,6 +403,21 @@ def test_a_counter_of_8_bits_shows_lost_packets_across_its_wrap():
     assert gaps.after["missing"] == 3
 
 
+@pytest.mark.parametrize("stride", [1, 2])
+def test_with_a_rate_alone_the_counter_tells_when_samples_were_taken(stride):
+    """Packets of a radio that come without a time, every second one of another kind."""
+    number = np.setdiff1d(np.arange(300), [100, 101, 250])
+    stream = corruption.of_columns(
+        number * 0.0, x=np.sin(number / 10), packet=(stride * number).astype(float)
+    )
+    stream.columns, stream.time = stream.columns[1:], None
+    recording = conditioned(stream, mapping=of_tree({"time": {"rate_Hz": 50}}, "map"))
+    assert np.allclose(recording.streams["log"].time_s, number / 50, rtol=0, atol=1e-12)
+    (gap,) = found(recording, "sequence_gap")
+    assert (gap.count, gap.after["missing"]) == (2, 3)
+    assert recording.streams["log"].gaps == (99, 247)
+
+
 def test_long_columns_give_the_same_in_small_blocks(monkeypatch, tmp_path):
     whole = {name: conditioned(DEFECTS[name]().stream) for name in REPAIRED}
     monkeypatch.setattr(raw_module, "BLOCK", 97)

@@ -22,6 +22,8 @@ _COUNTS = re.compile(
     r"|line|no|nr|num|number|cycle|unnamed: \d+)s?\.?$|^(?:#|n|i|k|(?:packet|frame|sample)s?\b.*)$",
     re.IGNORECASE,
 )
+#: a counter goes on by no more than this from row to row
+_MAX_STRIDE = 16
 #: numbers after which counters begin again
 WRAPS = (2.0**8, 2.0**16, 2.0**32)
 
@@ -32,13 +34,23 @@ def is_named(name: str) -> bool:
 
 
 def column_of(work: Work) -> RawColumn | None:
-    """The column that counts samples up by one, if there is one and it really does."""
+    """The numbers of the samples, by ones, where a column counts them up by equal steps."""
     for column in work.data:
         if column.name != work.stream.counter and not _NAME.match(column.name):
             continue
         step = intervals.sampled_steps(column.values)
-        if len(step) >= 8 and np.mean(step == 1) >= 0.8 and intervals.whole_numbers(column):
+        if len(step) < 8 or not intervals.whole_numbers(column):
+            continue
+        if np.mean(step == 1) >= 0.8:
             return column
+        stride = float(np.nanmedian(step))
+        # a device that numbers all its packets, of which this log has each second or third
+        if (
+            1 < stride <= _MAX_STRIDE
+            and not (step % stride).any()
+            and np.mean(step == stride) >= 0.8
+        ):
+            return RawColumn(column.name, column.values / stride)
     return None
 
 

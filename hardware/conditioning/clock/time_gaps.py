@@ -54,6 +54,10 @@ def _by_counter(work: Work, median: float) -> bool | None:
     )
     steps = counter.values[gaps + 1] - counter.values[gaps]
     lost = sample_counter.increments(steps, wrap) - 1
+    if len(gaps) and work.stream.time is None:
+        later = np.zeros(len(work.time_s))
+        later[gaps + 1] = lost
+        work.time_s += np.cumsum(later) * (work.stream.increment_s or 0.0)
     if len(gaps):
         what = f"the counter {counter.name!r} skips"
         _mark(work, gaps, lost, what, "sequence_gap", counter.name)
