@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -285,6 +287,11 @@ def test_every_unit_of_a_source_is_one():
             for quantity in table.channels.values():
                 if quantity.unit != "above":
                     units.si_of(quantity.unit, "")
+
+
+def test_the_guide_names_every_source():
+    guide = (Path(__file__).parent.parent / "docs" / "logs.md").read_text(encoding="utf-8")
+    assert [s.title for s in profiles.sources().values() if s.title not in guide] == []
 
 
 def test_a_unit_that_the_log_says_stays():
