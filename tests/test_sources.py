@@ -279,6 +279,12 @@ def test_a_name_that_says_nothing_gives_no_units():
     )
 
 
+@pytest.mark.parametrize("name", ["position.x", "orientation.x", "linear_acceleration_x"])
+def test_words_that_others_use_too_are_no_sign_of_ros(name):
+    # a game, an Euler angle, a sensor that takes gravity off
+    assert profiles.find("log.csv", [], [("time", ""), (name, "")]) is None
+
+
 def test_every_unit_of_a_source_is_one():
     from simcompare import units
 
