@@ -104,7 +104,7 @@ def _step(seconds: Array) -> float:
 def _seconds(column: RawColumn, other: RawColumn) -> Array:
     """From 0 at the first sample, in the unit, or the power of ten, that fits to another clock."""
     values, reference = (c.values - c.values[0] for c in (column, other))
-    if not column.values.size or not np.ptp(values) > 0:
+    if not column.values.size or not 0 < np.ptp(values) < np.inf:
         return np.full(len(values), np.nan)
     ratio = float(np.ptp(reference) / np.ptp(values))
-    return np.asarray(values * 10.0 ** round(np.log10(ratio)) if ratio > 0 else values)
+    return np.asarray(values * 10.0 ** round(np.log10(ratio)) if 0 < ratio < np.inf else values)

@@ -222,7 +222,8 @@ class _Reader:
     ) -> None:
         """Adds the rows but those that only hold words and empty cells."""
         cells = dict(zip(numbers, rows, strict=True))
-        remarks = {line for line, _, _ in odd if _is_remark(cells[line]) and "" in cells[line]}
+        here = {line for line, _, _ in odd if line in cells}
+        remarks = {line for line in here if _is_remark(cells[line]) and "" in cells[line]}
         self.odd += [(line, _REMARK, "holds words, no numbers") for line in sorted(remarks)]
         self.odd += [fault for fault in odd if fault[0] not in remarks]
         if all(line in remarks for line, _, _ in odd):
