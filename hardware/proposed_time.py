@@ -14,7 +14,7 @@ from simcompare.hardware.mapping_lines import time_line
 from simcompare.hardware.raw import RawColumn, RawStream
 
 #: a table of results has fewer rows than a log
-_FEW_ROWS = 60
+FEW_ROWS = 60
 #: steps of whole numbers that are milliseconds; smaller ones are seconds, larger ones microseconds
 _MILLISECONDS = (2.0, 2000.0)
 
@@ -22,11 +22,13 @@ _MILLISECONDS = (2.0, 2000.0)
 def no_time(stream: RawStream) -> str:
     """What to say of a stream in which no column is the time."""
     names = ", ".join(column.name for column in stream.columns[:20])
-    spans = [c.name for c in stream.columns if clocks.is_span(c.name) and _unit(c) == "s"]
-    if spans and len(stream) < _FEW_ROWS:
+    spans = [c for c in stream.columns if clocks.is_span(c.name) and _unit(c) == "s"]
+    if spans and len(stream) < FEW_ROWS:
+        letter = clocks.is_period(spans[0].name)
+        way_out = f". If it is the time all the same: {_line(spans[0])}" if letter else ""
         return (
-            f"no column is a time: {spans[0]!r} says how long something takes. {len(stream)} rows"
-            f" of {names} are a table of results, no log of samples"
+            f"no column is a time: {spans[0].name!r} says how long something takes. {len(stream)}"
+            f" rows of {names} are a table of results, no log of samples{way_out}"
         )
     likely = next((column for column in stream.columns if _likely(column)), None)
     if likely is not None:

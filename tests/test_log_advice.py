@@ -104,6 +104,17 @@ def test_a_table_of_results_is_told_as_what_it_is(tmp_path):
     assert "column:" not in message
 
 
+@pytest.mark.parametrize("name", ["T", "10T"])
+def test_the_letter_of_a_period_in_a_short_table_is_no_clock(tmp_path, name):
+    text = f"L (cm),{name} (s)\n10,0.63\n20,0.90\n30,1.10\n"
+    message = " ".join(told(tmp_path, text).split())
+    assert f"{name!r} says how long something takes" in message
+    (line,) = LINE.findall(message)
+    (tmp_path / "map.yaml").write_text(line, encoding="utf-8")
+    made = simcompare.import_log(tmp_path / "log.csv", mapping=tmp_path / "map.yaml")
+    assert [*made.streams["log"].channels] == ["l_m"]
+
+
 @pytest.mark.parametrize(
     ("head", "streams"),
     [

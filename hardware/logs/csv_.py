@@ -196,6 +196,9 @@ def _time(
     if mapping.time is not None and mapping.time.columns:
         names = [*mapping.time.columns]
     columns = [c for c in table.columns if c.name in names]
+    few = len(columns[0].values) < proposed_time.FEW_ROWS if columns else False
+    if few and mapping.time is None:
+        columns = [c for c in columns if not clocks.is_period(c.name)]  # of a table of results
     if not columns:
         return None, Clock(NO_CLOCK)
     column = clocks.same(columns) if len(columns) > 1 else columns[0]

@@ -33,6 +33,7 @@ _RUN_LAST = re.compile(
 )
 #: spans of time that are no clock
 _SPANS = re.compile(r"delta|\bd ?t\b|period|delay|duration|rise|response|exposure|step", re.I)
+_PERIOD = re.compile(r"(?:\d+ ?[*·]? ?)?T(?:_?\d+)?")
 _SECONDS = re.compile(r"(milli|micro|nano)?(?:sec(?:ond)?s?|s)(?: elapsed)?")
 _IN_WORDS = {None: "s", "milli": "ms", "micro": "us", "nano": "ns"}
 #: units of time in letters of any size: nobody logs siemens against time
@@ -52,7 +53,12 @@ def may_be_time(name: str) -> bool:
 
 def is_span(name: str) -> bool:
     """Whether a name speaks of how long something takes, and not of when it was."""
-    return bool(_SPANS.search(_bare(name)))
+    return bool(_SPANS.search(_bare(name)) or is_period(name))
+
+
+def is_period(name: str) -> bool:
+    """Whether a name is the letter that physics has for a period, or for several: ``10T``."""
+    return bool(_PERIOD.fullmatch(name.strip()))
 
 
 def _bare(name: str) -> str:
