@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import other_estimates, profile, records
@@ -196,7 +197,8 @@ def test_noise_that_exceeds_its_statement_widens_the_interval():
     drop = from_times(times_of() + np.random.default_rng(1).normal(0, 5e-4, 7), 1e-4)[0]
     found, plain = fit(drop), fit(heard())
     assert found.s2 > 4
-    assert u_of(found) == pytest.approx(u_of(plain) * math.sqrt(found.s2), rel=0.05)
+    wider = math.sqrt(found.s2) * stats.t.ppf(0.975, found.dof) / stats.norm.ppf(0.975)
+    assert u_of(found) == pytest.approx(u_of(plain) * wider, rel=0.05)
     factor = f"scatter {math.sqrt(found.s2):.1f} times as much as stated"
     assert any(factor in text for text in warnings_of(found))
 

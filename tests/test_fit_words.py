@@ -85,7 +85,7 @@ def test_a_number_at_the_top_has_its_interval_below_it(words, value, note):
 
 
 def candidate(text, delta, e=0.61, **more):
-    known = {"law": "constant", "drag": False, "unknowns": 3.0, "chi2": 1.0, "aicc": None,
+    known = {"law": "constant", "drag": False, "unknowns": 3.0, "chi2": 1.0,
              "bic": 6.0 + delta}  # fmt: skip
     return Candidate(model=text, text=text, aic=6.0 + delta, delta=delta, weight=0.5,
                      parameters={"restitution": Value(e, 0.01)}, **(known | more))  # fmt: skip
@@ -102,7 +102,7 @@ def form(**more):
 
 
 def choice(*candidates):
-    return Choice(chosen="a", criterion="AIC", scatter=1.0, refused={}, candidates=candidates)
+    return Choice(chosen="a", scatter=1.0, refused={}, candidates=candidates)
 
 
 def test_one_model_without_rivals_is_called_the_best():

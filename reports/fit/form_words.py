@@ -110,10 +110,7 @@ def _described(found: Choice) -> str:
     """The one model that describes the data best, or those among which is a tie."""
     first = found.candidates[0]
     if not found.rivals:
-        value = _inf(first.score(found.criterion))
-        return (
-            f"best model: {first.text} ({found.criterion} {value:.1f}, weight {first.weight:.0%})"
-        )
+        return f"best model: {first.text} (AIC {first.aic:.1f}, weight {first.weight:.0%})"
     tied = "; ".join(f"{c.text} ({c.weight:.0%})" for c in (first, *found.rivals))
     return f"a tie: these fit about as well, and results are averaged by their weights: {tied}"
 

@@ -39,7 +39,7 @@ _OWN, _CLOSED = Style("#000000"), Style(_GREY, marker="star")
 def forms_figure(run: Run) -> Figure | None:
     """How much worse than the best each closed form describes the data."""
     choice = fits.bounces(run).choice
-    rows, criterion = choice.candidates, choice.criterion
+    rows = choice.candidates
     if len(rows) < 2:
         return None
     deltas = [math.inf if row.delta is None else row.delta for row in rows]
@@ -47,8 +47,8 @@ def forms_figure(run: Run) -> Figure | None:
     texts = tuple(_bar_words(delta) if delta > _ROOM else "" for delta in deltas)
     ticks = tuple("\n".join(textwrap.wrap(row.text, _NAME)) for row in rows)
     panel = Panel(
-        "", f"Δ{criterion}: above the least {criterion}", "", (),
-        bars=(Bars(f"Δ{criterion}", lengths, _BLUE, "", texts),),
+        "", "ΔAIC: above the least AIC", "", (),
+        bars=(Bars("ΔAIC", lengths, _BLUE, "", texts),),
         spans=(Span(0.0, RIVAL, f"below {RIVAL:g}: the data cannot tell"),
                Span(EXCLUDED, EXCLUDED, f"beyond {EXCLUDED:g}: excluded")),
         y_ticks=ticks, x_limits=(0.0, 1.04 * max(EXCLUDED * 1.2, float(lengths.max()))),

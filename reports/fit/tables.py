@@ -126,23 +126,20 @@ def forms(run: Run) -> Table:
         found = row.parameters.get(RESTITUTION)
         rows.append((
             row.text, numbers.plain(row.unknowns, 3), _criterion(row.chi2),
-            _criterion(row.score(choice.criterion)), _criterion(row.delta), _criterion(row.bic),
+            _criterion(row.aic), _criterion(row.delta), _criterion(row.bic),
             f"{row.weight:.2f}", fits.value_words(found),
         ))  # fmt: skip
     columns = (
         Column("Closed form", text=True), Column("k"), Column("χ²"),
-        Column(choice.criterion), Column(f"Δ{choice.criterion}"), Column("BIC"), Column("Weight"),
+        Column("AIC"), Column("ΔAIC"), Column("BIC"), Column("Weight"),
         Column("Restitution ± u"),
     )  # fmt: skip
-    few = " + 2k(k + 1)/(n − k − 1)" if choice.criterion == "AICc" else ""
-    note = (
-        f"k: unknowns that the data determine. {choice.criterion} = χ² + 2k{few}, BIC = χ² +"
-        " k·ln n."
-    )
-    if choice.scatter > 1:
+    misfit = "ν·ln(χ²/ν)" if choice.dof else "χ²"
+    note = f"k: unknowns that the data determine. AIC = {misfit} + 2k, BIC = {misfit} + k·ln n."
+    if choice.dof:
         note += (
             f" χ² is divided by {numbers.plain(choice.scatter, 3)}, the scatter of the richest"
-            " form, so that uncertainties stated too small do not ask for more unknowns."
+            f" form, which has ν = {choice.dof} degrees of freedom."
         )
     note += " With a law that depends on speed, the restitution is that at 4 m/s."
     return Table("Closed forms", columns, (Group("", tuple(rows)),), note)

@@ -57,7 +57,7 @@ def fit(
             of several.
         hold_out: the same, which are not fitted but predicted.
         engine: ``"all"``, names with commas or a list of names.
-        model: closed form, or "auto": the one with the least AICc.
+        model: closed form, or "auto": all, averaged by their weights.
         unknowns: what is fitted beside what the model has, such as "clock_skew"; by waveform
             and by tosses, all that is fitted.
         fixed: values of what is not fitted; by tosses also the "scale" of measured lengths. By

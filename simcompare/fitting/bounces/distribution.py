@@ -8,6 +8,7 @@ below, and what is left of it above 0 says how strong a drag may still be.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from simcompare.statistics import least_squares
 
 #: draws of each law, a power of two
 DRAWS = 1024
+
+#: part below drag 0 that changes nothing
+_TAIL = 1e-4
 
 
 @dataclass(frozen=True)
@@ -39,9 +43,14 @@ class Distribution:
     @property
     def part(self) -> float:
         """The part that counts."""
-        from scipy import stats
+        from scipy import special
 
-        return 1.0 if self.drag is None else float(stats.norm.sf(self._least))
+        return 1.0 if self.drag is None else float(special.ndtr(-self._least))
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether a part does not count that matters."""
+        return self.part < 1 - _TAIL
 
     @property
     def _least(self) -> float:
@@ -58,7 +67,7 @@ class Distribution:
         safe = np.where(u > 0, u, 1.0)
         part = self.covariance[np.ix_(order, order)] / np.outer(safe, safe)
         root = np.linalg.cholesky(part + np.diag(np.where(u > 0, 1e-10, 1.0)))
-        normal = _normal(count)
+        normal = _normal(count).copy()
         if self.drag is not None:
             normal[:, 0] = _above(normal[:, 0], self._least)
         found = np.empty_like(normal)
@@ -79,16 +88,17 @@ def of_fit(fit: Fit) -> Distribution:
     return Distribution(fit.x + step, covariance, drag, float(-slope @ step))
 
 
+@cache
 def _normal(count: int) -> Array:
-    from scipy import stats
+    from scipy import special
     from scipy.stats import qmc
 
     even = qmc.Sobol(count, scramble=True, seed=0).random(DRAWS)
-    return np.asarray(stats.norm.ppf(np.clip(even, 1e-9, 1 - 1e-9)))
+    return np.asarray(special.ndtri(np.clip(even, 1e-9, 1 - 1e-9)))
 
 
 def _above(normal: Array, least: float) -> Array:
     """The same numbers moved so that they follow the part of the normal law above ``least``."""
-    from scipy import stats
+    from scipy import special
 
-    return np.asarray(stats.norm.isf(stats.norm.sf(normal) * stats.norm.sf(least)))
+    return np.asarray(-special.ndtri(special.ndtr(-normal) * special.ndtr(-least)))

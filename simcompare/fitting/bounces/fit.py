@@ -10,7 +10,7 @@ import numpy as np
 
 from simcompare.fitting.bounces import bounce_models, initial_guess, profile
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.likelihood import Fit, Profile, minimum, summary
+from simcompare.fitting.bounces.likelihood import Fit, Profile, minimum, spread, summary
 from simcompare.fitting.bounces.problem import Problem, build
 from simcompare.fitting.bounces.unknowns import SPEED, base
 from simcompare.model.trajectory import Array
@@ -50,7 +50,7 @@ def fit(
     )  # fmt: skip
     first = initial_guess.of(whole)
     s2, dof, near = _scatter(whole, first)
-    scaled = whole.widened(math.sqrt(s2))
+    scaled = whole.widened(spread(whole, s2, dof))
     best = _settled(scaled, minimum(scaled, near))
     found = summary(whole, scaled, best, s2, dof)
     pulls = {name: _pull(found, name) for name in scaled.priors}

@@ -4,7 +4,10 @@ The residuals are those of events (impact times with their full covariance, or t
 them, rebound heights) or, for a video, of samples that stay within the flight they belong to;
 both are smooth in every unknown. Raw trajectories, whose residuals jump at impacts that move, are
 never fitted. Scatter beyond what is stated widens the data, not the priors: s² = max(1, χ²/ν),
-from the data alone where they suffice.
+from the data alone where they suffice. Where only the scatter tells the uncertainty, from ν degrees
+of freedom, estimates follow Student's t; all uncertainties are then those of the normal law whose
+95 % interval is as wide (JCGM 100, G.3 and G.6; for ν ≥ 3 within 7 % of the standard deviation of
+the t law, JCGM 101, 6.4.9).
 """
 
 from __future__ import annotations
@@ -112,10 +115,7 @@ class Fit:
     @property
     def is_scattered(self) -> bool:
         """Whether the data scatter by more than is stated and than chance explains."""
-        from scipy import stats
-
-        by_chance = float(stats.chi2.sf(self.s2 * self.dof, self.dof))
-        return self.s2 > _SCATTERED and by_chance < BY_CHANCE
+        return self.s2 > _SCATTERED and not explained(self.s2, self.dof)
 
     @property
     def assumed(self) -> tuple[str, ...]:
@@ -161,6 +161,26 @@ class Fit:
         moves = np.eye(len(self.x)) * 1e-6 * self.problem.size
         slopes = [(law(self.x + m) - law(self.x - m)) / (2 * m.sum()) for m in moves]
         return float(law(self.x)[0]), np.concatenate(slopes)
+
+
+def explained(s2: float, dof: int) -> bool:
+    """Whether chance explains a scatter beyond what is stated."""
+    from scipy import special
+
+    return float(special.chdtrc(dof, s2 * dof)) >= BY_CHANCE
+
+
+def spread(problem: Problem, s2: float, dof: int) -> float:
+    """What the uncertainties of the data are multiplied by.
+
+    By the root of s², and where the scatter alone tells them by that of Student's t beside the
+    normal law.
+    """
+    from scipy import special
+
+    if dof == 0 or (problem.u_known and explained(s2, dof)):
+        return math.sqrt(s2)
+    return math.sqrt(s2) * float(special.stdtrit(dof, 0.975)) / COVERAGE
 
 
 def summary(

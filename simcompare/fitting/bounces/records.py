@@ -187,13 +187,13 @@ def choice_of(choice: model_selection.Choice) -> Choice:
         rows.append(
             Candidate(
                 model=one.model, text=model.text, law=model.law, drag=model.drag,
-                unknowns=one.unknowns, chi2=one.chi2, aic=one.aic, aicc=one.aicc, bic=one.bic,
+                unknowns=one.unknowns, chi2=one.chi2, aic=one.aic, bic=one.bic,
                 delta=one.delta, weight=one.weight,
                 parameters={name: Value(value, u) for name, value, u in values},
             )
         )  # fmt: skip
     found = Choice(
-        chosen=rows[0].model, criterion=choice.criterion, scatter=choice.scatter,
+        chosen=rows[0].model, scatter=choice.scatter, dof=choice.dof,
         refused=dict(choice.refused), candidates=tuple(rows),
     )  # fmt: skip
     rivals = {one.model for one in found.rivals}

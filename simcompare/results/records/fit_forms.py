@@ -49,7 +49,8 @@ class Unknown:
         u: standard uncertainty.
         low: lower end of the 95 % interval, ``None`` where it is infinite.
         high: upper end.
-        interval: "normal", "profile", or "averaged" over the closed forms by their weights.
+        interval: "normal", "profile", "truncated" as a drag cannot be below 0, or "averaged" over
+            the closed forms by their weights.
         open_low: whether the data fit as well as far as was looked below.
         open_high: the same above.
     """
@@ -158,9 +159,8 @@ class Candidate:
         unknowns: how many the data determine.
         chi2: of the data, divided by the common scatter.
         aic: Akaike's criterion.
-        aicc: the same corrected for few data; ``None`` where there are too few.
         bic: Schwarz's criterion.
-        delta: the deciding criterion above the least.
+        delta: Akaike's criterion above the least.
         weight: Akaike weight.
         parameters: its unknowns.
     """
@@ -172,15 +172,10 @@ class Candidate:
     unknowns: float
     chi2: float
     aic: float
-    aicc: float | None
     bic: float
     delta: float | None
     weight: float
     parameters: Mapping[str, Value]
-
-    def score(self, criterion: str) -> float | None:
-        """AIC or AICc, by its name."""
-        return self.aic if criterion == "AIC" else self.aicc
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,8 +184,8 @@ class Choice:
 
     Attributes:
         chosen: its name.
-        criterion: which decided, "AIC" or "AICc".
         scatter: what χ² was divided by.
+        dof: degrees of freedom of the scatter where it alone tells the uncertainty, else 0.
         words: what a reader must know, one sentence each.
         refused: name of a form -> why it could not be fitted.
         candidates: best first.
@@ -198,8 +193,8 @@ class Choice:
     """
 
     chosen: str
-    criterion: str
     scatter: float
+    dof: int = 0
     words: tuple[str, ...] = ()
     refused: Mapping[str, str]
     candidates: tuple[Candidate, ...]
