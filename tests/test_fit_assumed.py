@@ -9,6 +9,7 @@ import pytest
 import simcompare
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import assumed, budget, initial_guess, model_selection
+from simcompare.fitting.bounces.averaging import averaged
 from simcompare.fitting.bounces.bounce_models import MODELS, bounces
 from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.identifiability import identifiability
@@ -182,7 +183,7 @@ def test_each_recorder_has_its_clock():
 def test_the_budget_is_the_covariance():
     drop = heard(IN_AIR, count=9, u_s=U_S)
     choice = model_selection.compare(drop, ["constant+drag"], priors=PLACE)
-    rows = {one.name: one for one in budget.budgets(choice)}
+    rows = {one.name: one for one in budget.budgets(choice, averaged(choice))}
     assert set(rows) == {"restitution", "drop_height_m", "terminal_speed_m_s"}
     for name, one in rows.items():
         assert sum(one.shares.values()) == pytest.approx(1)
@@ -197,7 +198,7 @@ def test_the_budget_is_the_covariance():
 
 def test_laws_that_disagree_have_their_share():
     choice = model_selection.compare(heard(IN_AIR, count=6, u_s=1e-4), priors=PLACE)
-    (one,) = (row for row in budget.budgets(choice) if row.name == "restitution")
+    (one,) = (row for row in budget.budgets(choice, averaged(choice)) if row.name == "restitution")
     assert one.shares["choice of law"] > 0.1
     assert one.u > choice.best.restitution_at(choice.best.speeds_m_s[1])[1]
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -59,14 +60,14 @@ class Averaged:
 
     shares: tuple[Share, ...]
 
-    @property
-    def is_alone(self) -> bool:
-        """Whether one law has all the weight."""
-        return len(self.shares) == 1
+    @cached_property
+    def is_normal(self) -> bool:
+        """Whether one law has all the weight, and no drag that could be 0."""
+        return len(self.shares) == 1 and not distribution.of_fit(self.shares[0].fit).is_cut
 
     def restitution_at(self, speed_m_s: float) -> tuple[float, float, float, float]:
         """Effective restitution at that speed: mean, standard uncertainty, ends of its 95 %."""
-        if self.is_alone:
+        if self.is_normal:
             value, u = self.shares[0].fit.restitution_at(speed_m_s)
             return value, u, value - COVERAGE * u, value + COVERAGE * u
         found = _told(self.shares, lambda fit, x: _restitution(fit, x, speed_m_s))
@@ -79,6 +80,8 @@ class Averaged:
             name: of an unknown of the law with the greatest weight.
         """
         kind = base(name)
+        if self.is_normal or (kind == SPEED and len(self.shares) == 1):
+            return _own(self.shares[0].fit, name)
         if kind == "restitution":
             return Told(*self.restitution_at(REFERENCE_SPEED))
         if kind == "exponent":
@@ -90,7 +93,7 @@ class Averaged:
 
 
 def averaged(choice: Choice) -> Averaged:
-    """The laws of a choice with their weights; one law alone stays as it is."""
+    """The laws of a choice with their weights."""
     able = [one for one in choice.candidates if one.weight > _LEAST] or [choice.candidates[0]]
     total = sum(one.weight for one in able) or 1.0
     return Averaged(tuple(
@@ -101,7 +104,13 @@ def averaged(choice: Choice) -> Averaged:
 
 def alone(fit: Fit) -> Averaged:
     """One law that nothing is averaged with."""
-    return Averaged((Share(fit, 1.0, np.empty((0, len(fit.x)))),))
+    return Averaged((Share(fit, 1.0, distribution.of_fit(fit).draws()),))
+
+
+def _own(fit: Fit, name: str) -> Told:
+    """An unknown as the fit of its law has it, with its profile where it has one."""
+    k = fit.names.index(name)
+    return Told(float(fit.values[k]), float(fit.u[k]), *fit.intervals[k])
 
 
 def _restitution(fit: Fit, x: Array, speed_m_s: float) -> Array:

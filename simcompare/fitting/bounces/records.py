@@ -50,7 +50,7 @@ from simcompare.results.records.fit_holdout import Holdout, SourceHoldout
 from simcompare.results.records.fit_parts import CLOSED_FORM, ENGINE, EngineParameter, Known, Value
 
 #: how an interval came about
-AVERAGED = "averaged"
+AVERAGED, TRUNCATED = "averaged", "truncated"
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def of_fit(
         one_number=_one_number(best, plain),
         tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources), sources=sources,
         run_with=_run_with(roles, plain.fit, engines), holdout=predicted,
-        budgets=budgets(choice),
+        budgets=budgets(choice, told),
         other_estimates=tuple(other_estimates.of_drops(drops[0])),
         valid=Valid(
             best.speeds_m_s, made.scene.world.step_s, made.scene.world.engine_step_s
@@ -144,8 +144,8 @@ def form_of(fit: Fit, told: Averaged | None = None) -> Form:
     own = dict(_unknowns(fit))
     return Form(
         model=fit.model, text=bounce_models.model_of(fit.model).text,
-        parameters=own if told.is_alone else _averaged(fit, told, own),
-        alone={} if told.is_alone else own,
+        parameters=own if told.is_normal else _averaged(fit, told, own),
+        alone={} if told.is_normal else own,
         covariance=_rows(fit.covariance),
         correlation=_rows(fit.correlation), fixed=dict(fit.problem.fixed),
         priors=dict(fit.problem.priors), pulls=dict(fit.pulls), chi2=fit.chi2, dof=fit.dof,
@@ -158,10 +158,11 @@ def form_of(fit: Fit, told: Averaged | None = None) -> Form:
 def _averaged(fit: Fit, told: Averaged, own: Mapping[str, Unknown]) -> dict[str, Unknown]:
     """The unknowns of a closed form as all closed forms together have them."""
     found = dict(own)
+    how = AVERAGED if len(told.shares) > 1 else TRUNCATED
     for name in fit.found:
         one = told.unknown(name)
         found[name] = replace(
-            own[name], value=one.value, u=one.u, low=one.low, high=one.high, interval=AVERAGED
+            own[name], value=one.value, u=one.u, low=one.low, high=one.high, interval=how
         )
     return found
 
