@@ -195,7 +195,7 @@ def test_apexes_are_heights_above_where_the_arcs_meet():
 
 def test_frames_before_the_release_are_left_out_and_told():
     drop = filmed(seed=1)
-    held = [d for d in drop.dropped if d.reason == "not released yet"]
+    held = [d for d in drop.dropped if d.reason == "before the ball falls"]
     assert [d.number for d in held] == list(range(1, len(held) + 1))
     assert abs(held[-1].time_s - 0.3) < 0.05
 
@@ -217,7 +217,7 @@ def test_frames_in_which_nothing_was_seen_are_told():
 
 
 def test_bounces_lower_than_the_noise_end_what_is_used_and_are_told():
-    drop = filmed({**TRUTH, "restitution": 0.6}, seconds=4.0)
+    drop = filmed({**TRUTH, "restitution": 0.6}, fps=120, seconds=4.0)
     left_out = [one for one in drop.dropped if one.reason == "bounces no higher than the noise"]
     # 0.6^8 m is 17 mm and used; 0.6^12 m is 2 mm, far below three times the 3 mm of noise
     assert 4 <= drop.track.flight.max() <= 5

@@ -20,6 +20,13 @@ from simcompare.fitting.bounces.impacts import HEIGHT, TRACK, Impacts, Signal, T
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_bounces import Rejected
 
+#: part of the drop height by which a ball has moved before, and what is said then
+_MOVED = 0.1
+_BEFORE = (
+    "the ball counts as dropped at {:.2f} s, but its height changes by {:.2g} m before: if it had"
+    " bounced already, the drop height is that of a later bounce"
+)
+
 
 def from_heights(
     time_s: ArrayLike,
@@ -44,8 +51,8 @@ def from_heights(
     seen = samples(time_s, height_m, u_m, source)
     time, height, u = seen.time_s, seen.height_m, seen.u_m
     noise = float(np.median(u)) if np.isfinite(u).all() else noise_of(height)
-    start = start_of(time, height, noise, gravity_m_s2, source)
-    flight, why = follow(time, height, u, noise, gravity_m_s2, start, source)
+    start = start_of(seen, noise, gravity_m_s2)
+    flight, why = follow(seen, noise, gravity_m_s2, start)
     left_out = [
         Rejected("sample", int(seen.rows[k]) + 1, float(time[k]), why[k]) for k in sorted(why)
     ]
@@ -55,7 +62,11 @@ def from_heights(
     filmed = Impacts(
         kind=TRACK, source=source, track=track, dropped=dropped, signal=Signal(HEIGHT, time, height)
     )
-    return _joined(filmed, track, gravity_m_s2)
+    joined = _joined(filmed, track, gravity_m_s2)
+    before = height[time < track.time_s[0]]
+    if not len(before) or np.ptp(before) < _MOVED * joined.heights_m[0]:
+        return joined
+    return replace(joined, notes=(_BEFORE.format(track.time_s[0], float(np.ptp(before))),))
 
 
 def _joined(impacts: Impacts, track: Track, gravity: float) -> Impacts:

@@ -45,6 +45,7 @@ class Samples:
         u_m: standard uncertainty, NaN where unknown (n,) [m].
         rows: place of each among all that were recorded, first is 0 (n,).
         gone: samples in which nothing was seen.
+        source: name of the file.
     """
 
     time_s: Array
@@ -52,6 +53,7 @@ class Samples:
     u_m: Array
     rows: NDArray[np.intp]
     gone: list[Rejected]
+    source: str
 
 
 def samples(time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, source: str) -> Samples:
@@ -67,7 +69,7 @@ def samples(time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, sourc
     whole = np.isfinite(time) & np.isfinite(height)
     gone = [Rejected("sample", int(k) + 1, float(time[k]), "nothing seen")
             for k in np.flatnonzero(~whole)]  # fmt: skip
-    faults = []
+    faults, source = [], source or "height"
     if np.count_nonzero(whole) < 2 * MIN_SAMPLES:
         faults.append(f"{np.count_nonzero(whole)} samples of height; a bounce needs at least"
                       f" {2 * MIN_SAMPLES}")  # fmt: skip
@@ -76,8 +78,8 @@ def samples(time_s: ArrayLike, height_m: ArrayLike, u_m: ArrayLike | None, sourc
     if np.any(u <= 0):
         faults.append("a standard uncertainty of a height is not above 0")
     if faults:
-        raise InputError(source or "height", faults)
-    return Samples(time[whole], height[whole], u[whole], np.flatnonzero(whole), gone)
+        raise InputError(source, faults)
+    return Samples(time[whole], height[whole], u[whole], np.flatnonzero(whole), gone, source)
 
 
 def noise_of(height: Array) -> float:
@@ -111,7 +113,7 @@ def kinks(
     down = -float(np.min(kink[np.isfinite(kink)], initial=0.0))
     if down > 2 * max(float(np.max(kink)), _SLOW):
         raise InputError(
-            source or "height",
+            source,
             ["the height turns downwards at the impacts: it is counted downwards; give it the other"
              " sign in a mapping file"],
         )  # fmt: skip
@@ -121,7 +123,7 @@ def kinks(
     ]  # fmt: skip
     if not tops:
         raise InputError(
-            source or "height",
+            source,
             [f"no impact is seen: nowhere does the velocity change upwards by more than"
              f" {threshold:.2g} m/s within {2 * width * step:.2g} s; is it the height of a"
              " bouncing ball, in metres?"],
@@ -145,23 +147,21 @@ def _slopes(time: Array, values: Array, width: int) -> Array:
 def no_flights(source: str) -> InputError:
     """What is said where nothing bounces that can be followed."""
     return InputError(
-        source or "height",
+        source,
         [f"no two flights after each other have {MIN_SAMPLES} samples each on two arcs that meet at"
          " a floor: film faster or drop from higher"],
     )  # fmt: skip
 
 
-def start_of(
-    time: Array, height: Array, noise: float, gravity: float, source: str
-) -> Mapping[str, float]:
+def start_of(seen: Samples, noise: float, gravity: float) -> Mapping[str, float]:
     """The motion as two flights after each other tell it, without drag; the first is its drop.
 
     Raises:
         InputError: no two flights that follow each other.
     """
-    steady = ~_spikes(time, height, noise, gravity)
-    t, y = time[steady], height[steady]
-    cuts = kinks(t, y, noise, gravity, source)
+    steady = ~_spikes(seen.time_s, seen.height_m, noise, gravity)
+    t, y = seen.time_s[steady], seen.height_m[steady]
+    cuts = kinks(t, y, noise, gravity, seen.source)
     ends = [*t[cuts].tolist(), math.inf]
     flight = np.searchsorted(cuts, np.arange(len(t)), side="right")
     # before it falls a ball is in a hand
@@ -173,7 +173,7 @@ def start_of(
     pairs = [_joined(one, two, gravity) for one, two in itertools.pairwise(apexes)]
     found = [pair for pair in pairs if pair is not None]
     if not found:
-        raise no_flights(source)
+        raise no_flights(seen.source)
     return max(found, key=lambda pair: pair[0])[1]
 
 

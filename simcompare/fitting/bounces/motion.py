@@ -13,9 +13,12 @@ from simcompare.fitting.bounces.impacts import Impacts, Track
 from simcompare.fitting.bounces.problem import Problem, build
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_forms import Prior
+from simcompare.statistics import least_squares
 
 _MODEL = MODELS["power+drag"]
 UNKNOWNS = (*_MODEL.own, "drop_height_m", "release_time_s", "floor_m", "scale")
+#: part of chi squared that a further step would have to bring: a cut needs no more
+_ENOUGH = 1e-4
 #: what holds unknowns that few flights do not tell
 _PRIORS = {"exponent": Prior(0.0, 0.1), "scale": Prior(1.0, 0.05)}
 
@@ -60,3 +63,11 @@ def problem_of(
         [Impacts(track=Track(time, height, u, flight))], _MODEL, unknowns=UNKNOWNS,
         fixed={"gravity_m_s2": gravity}, priors=_PRIORS,
     )  # fmt: skip
+
+
+def nearest(problem: Problem, start: Array) -> Motion:
+    """The motion that follows the samples best."""
+    best = least_squares.solve(
+        problem.residuals, start[None, :], problem.low, problem.high, problem.size, enough=_ENOUGH
+    )
+    return Motion(problem, best.x[0])
