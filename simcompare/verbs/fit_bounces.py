@@ -146,7 +146,7 @@ def _engines(
 ) -> tuple[OneNumber, Sequence[EngineFit], Holdout, TuningGoal | None]:
     """What engines get of the closed form, what they make of it, and held-out drops."""
     best, laws = choice.best, averaged(choice)
-    closed = holdout.predict(best, held, constraints.fixed)
+    closed = holdout.predict(laws, held, constraints.fixed)
     more: dict[str, Any] = {
         "step_s": how.step_s, "time_limit_s": how.time_limit_s, "progress": how.progress,
     }  # fmt: skip

@@ -8,15 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
+from simcompare.fitting.bounces.averaging import Averaged
 from simcompare.fitting.bounces.engine_fit import EngineFit
-from simcompare.fitting.bounces.fit import fit
+from simcompare.fitting.bounces.held_out_law import OfLaw, of_law, shown_of
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.problem import usual
 from simcompare.fitting.bounces.tuned_fit import TunedFit
-from simcompare.fitting.bounces.unknowns import OF_A_DROP, OF_THE_RECORDING, SPEED, base
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_holdout import (
     EngineHoldout,
@@ -30,41 +28,111 @@ from simcompare.statistics.agreement import e_n
 
 @dataclass(frozen=True)
 class Prediction:
-    """One held-out drop as the closed form predicts it.
+    """One held-out drop as all laws together predict it.
 
     Attributes:
         drop: what was measured.
-        predicted: the fit of its own height and release, everything else as it was fitted.
-        again: the fit of its own restitution besides; ``None`` where none was fitted.
+        laws: each law, that of the greatest weight first.
         row: what the record says of it.
     """
 
     drop: Impacts
-    predicted: Fit
-    again: Fit | None
+    laws: tuple[OfLaw, ...]
     row: HeldOutDrop
 
+    @property
+    def predicted(self) -> Fit:
+        """The drop as the law with the greatest weight predicts it."""
+        return self.laws[0].predicted
 
-def predict(best: Fit, held: Sequence[Impacts], fixed: Mapping[str, float]) -> list[Prediction]:
-    """How well a closed form predicts drops that it has not seen.
+    @property
+    def again(self) -> list[tuple[float, Fit]]:
+        """Each law fitted to the drop alone, with its weight; empty where none was."""
+        return [(one.weight, one.again) for one in self.laws if one.again is not None]
+
+    def apex_m(self) -> Array:
+        """Heights of its apexes, the drop height first [m]."""
+        count = self.drop.count
+        shown = [shown_of(one.predicted, count).apex_m for one in self.laws]
+        return np.asarray(sum(
+            one.weight * np.ravel(apexes) for one, apexes in zip(self.laws, shown, strict=True)
+        ))  # fmt: skip
+
+
+def predict(
+    laws: Averaged, held: Sequence[Impacts], fixed: Mapping[str, float]
+) -> list[Prediction]:
+    """How well closed forms predict drops that they have not seen.
 
     Height and release of a held-out drop are its own; with them alone fitted, and everything else
     as it was, its impacts are predicted. The restitution that the drop itself would give is held
-    against the fitted one by E_n, and so is every rebound height against the predicted one.
+    against the fitted one by E_n, and so is every rebound height against the predicted one. Each
+    law predicts; what is told has the mean and the standard deviation of their mixture.
 
     Args:
-        best: the closed form that was fitted.
+        laws: what was fitted, each closed form by its weight.
         held: drops that were not fitted.
         fixed: what was not fitted.
     """
-    return [_closed(number, best, drop, fixed) for number, drop in enumerate(held, start=1)]
+    found = []
+    for number, drop in enumerate(held, start=1):
+        own = tuple(of_law(number, one.fit, one.weight, drop, fixed) for one in laws.shares)
+        found.append(Prediction(drop, own, _mixed_row(own)))
+    return found
+
+
+def _mixed_row(own: Sequence[OfLaw]) -> HeldOutDrop:
+    """What all laws say of a drop."""
+    first = own[0].row
+    if len(own) == 1:
+        return first
+    heights = zip(*(one.row.heights for one in own), strict=True)
+    row = replace(first, heights=tuple(_mixed_height(own, same) for same in heights))
+    if first.restitution is None:
+        return row
+    value, u = _mixed(own, [(one.row.restitution, one.row.u_restitution) for one in own])
+    fitted, u_fitted = _mixed(own, [(one.row.fitted, one.row.u_fitted) for one in own])
+    # of the difference, law by law: what moves both alike is no part of it
+    apart = [(_less(one.row.fitted, one.row.restitution), one.row.u_difference) for one in own]
+    off, u_both = _mixed(own, apart)
+    return replace(
+        row, restitution=value, u_restitution=u, fitted=fitted, u_fitted=u_fitted,
+        u_difference=u_both, e_n=e_n(off, 0.0, 2 * u_both, 0.0),
+    )  # fmt: skip
+
+
+def _less(one: float | None, other: float | None) -> float | None:
+    return None if one is None or other is None else one - other
+
+
+def _mixed_height(own: Sequence[OfLaw], same: Sequence[JudgedHeight]) -> JudgedHeight:
+    first = same[0]
+    p, u_p = _mixed(own, [(one.predicted, one.u_predicted) for one in same])
+    u = first.u_measured
+    judged = None if u is None else e_n(p, first.measured, 2 * u_p, 2 * u)
+    return replace(first, predicted=p, u_predicted=u_p, e_n=judged)
+
+
+def _mixed(
+    own: Sequence[OfLaw], rows: Sequence[tuple[float | None, float | None]]
+) -> tuple[float, float]:
+    """Mean and standard deviation of a mixture of laws, each with its own."""
+    return mixed([(one.weight, *row) for one, row in zip(own, rows, strict=True)])
+
+
+def mixed(rows: Sequence[tuple[float, float | None, float | None]]) -> tuple[float, float]:
+    """Mean and standard deviation of a mixture of (weight, mean, standard deviation)."""
+    table = np.array(rows, dtype=float)
+    weight, mean, u = table[:, 0] / table[:, 0].sum(), table[:, 1], table[:, 2]
+    whole = float(weight @ mean)
+    return whole, math.sqrt(float(weight @ (u**2 + (mean - whole) ** 2)))
 
 
 def of_engines(closed: Sequence[Prediction], engines: Sequence[EngineFit]) -> Holdout:
     """What was predicted, by the closed form and by every engine.
 
     Args:
-        closed: predictions of the closed form.
+        closed: predictions of the closed forms.
         engines: the engines that were fitted.
     """
     rows = []
@@ -79,138 +147,14 @@ def of_engines(closed: Sequence[Prediction], engines: Sequence[EngineFit]) -> Ho
     return Holdout(tuple(rows))
 
 
-def _closed(number: int, best: Fit, drop: Impacts, fixed: Mapping[str, float]) -> Prediction:
-    own = [n for n in best.problem.model.own if n != SPEED or SPEED not in fixed]
-    kept = {
-        base(n): float(v)
-        for n, v in zip(best.names, best.values, strict=True)
-        if base(n) not in OF_A_DROP and math.isfinite(v)
-    }
-    settled = {**fixed, **kept}
-    alone = [n for n in usual([drop], best.problem.model) if n in OF_A_DROP and n not in fixed]
-    predicted = fit(drop, best.model, unknowns=alone, fixed=settled, profiles=False)
-    row = HeldOutDrop(
-        number=number, source=drop.source, heights=_heights(best, drop, alone, settled, predicted),
-        rms=dict(predicted.rms), chi2=predicted.chi2, count=predicted.count,
-        drop_height_m=predicted.as_dict().get("drop_height_m"), unknowns=tuple(own),
-        speeds_m_s=predicted.speeds_m_s,
-    )  # fmt: skip
-    if "restitution" not in best.names:  # it was not fitted: nothing but the prediction is judged
-        return Prediction(drop, predicted, None, row)
-    # what this drop says of the restitution by itself, everything else as fitted
-    single = {n: v for n, v in settled.items() if n != "restitution"}
-    names = ["restitution", *alone]
-    again = fit(drop, best.model, unknowns=names, fixed=single, profiles=False)
-    value, u = again.as_dict()["restitution"], float(again.u[again.names.index("restitution")])
-    k = best.names.index("restitution")
-    known, u_known = float(best.values[k]), float(best.u[k])
-    u_both = math.hypot(u, _u_of_kept(best, drop, names, single, value))
-    row = replace(
-        row, restitution=value, u_restitution=u, fitted=known, u_fitted=u_known,
-        u_difference=u_both, e_n=e_n(known, value, 2 * u_both, 0.0), speeds_m_s=again.speeds_m_s,
-    )  # fmt: skip
-    return Prediction(drop, predicted, again, row)
-
-
-def _u_of_kept(
-    best: Fit, drop: Impacts, names: list[str], single: Mapping[str, float], value: float
-) -> float:
-    """What all that was fitted before contributes to e_held - e_fitted, with its covariance.
-
-    The fitted restitution enters with -1; every other unknown that was kept, such as an exponent or
-    a terminal speed, by how far the restitution of the held-out drop follows it.
-    """
-    slopes = np.zeros(len(best.names))
-    for k, name in enumerate(best.names):
-        if base(name) in OF_A_DROP or not math.isfinite(best.values[k]) or not best.u[k] > 0:
-            continue
-        if name == "restitution":
-            slopes[k] = -1.0
-            continue
-        step = 0.1 * float(best.u[k])
-        moved = {**single, base(name): float(best.values[k]) + step}
-        again = fit(drop, best.model, unknowns=names, fixed=moved, profiles=False)
-        slopes[k] = (again.as_dict()["restitution"] - value) / step
-    covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
-    return math.sqrt(max(0.0, float(slopes @ covariance @ slopes)))
-
-
-def _heights(
-    best: Fit, drop: Impacts, alone: list[str], settled: Mapping[str, float], predicted: Fit
-) -> tuple[JudgedHeight, ...]:
-    """Measured and predicted rebound heights with their E_n.
-
-    Where no heights were measured, they are those of the flights between impacts, g·T²/8, of the
-    measurement and of the closed form alike.
-    """
-    numbers, measured, u = _measured_heights(drop, predicted)
-    if not numbers:
-        return ()
-    central = _predicted_heights(drop, predicted, numbers)
-    # the uncertainty of everything that was fitted before, through the heights that it predicts
-    slopes = np.zeros((len(best.names), len(numbers)))
-    # heights of flights go with gravity and clock, measured and predicted alike
-    alike = (*OF_A_DROP, *(() if len(drop.heights_m) else OF_THE_RECORDING))
-    for k, name in enumerate(best.names):
-        if base(name) in alike or not math.isfinite(best.values[k]) or not best.u[k] > 0:
-            continue
-        step = 0.1 * float(best.u[k])
-        moved = {**settled, base(name): float(best.values[k]) + step}
-        again = fit(drop, best.model, unknowns=alone, fixed=moved, profiles=False)
-        slopes[k] = (_predicted_heights(drop, again, numbers) - central) / step
-    covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
-    own = np.sqrt(np.maximum(np.einsum("kn,kl,ln->n", slopes, covariance, slopes), 0.0))
-    found = []
-    for n, *row in zip(numbers, measured, u, central, own, strict=True):
-        m, u_m, p, u_p = map(float, row)
-        stated = math.isfinite(u_m)
-        found.append(
-            JudgedHeight(
-                number=n, measured=m, u_measured=u_m if stated else None, predicted=p,
-                u_predicted=u_p, e_n=e_n(p, m, 2 * u_p, 2 * u_m) if stated else None,
-            )
-        )  # fmt: skip
-    return tuple(found)
-
-
-def _measured_heights(drop: Impacts, predicted: Fit) -> tuple[list[int], Array, Array]:
-    """Numbers of the bounces whose height is known, the heights and their u [m]."""
-    if len(drop.heights_m):
-        kept = [k for k, number in enumerate(drop.height_numbers) if number > 0]
-        numbers = [drop.height_numbers[k] for k in kept]
-        return numbers, drop.heights_m[kept], drop.u_heights_m[kept]
-    gravity, flights = _gravity(predicted), drop.flights
-    lengths = flights.lengths_s
-    u = (
-        np.sqrt(np.diag(flights.covariance_s2))
-        if flights.u_known
-        else np.full(len(lengths), np.nan)
-    )
-    return flights.numbers.tolist(), gravity * lengths**2 / 8, gravity * lengths / 4 * u
-
-
-def _predicted_heights(drop: Impacts, predicted: Fit, numbers: Sequence[int]) -> Array:
-    values = predicted.problem.values(predicted.x, 0)
-    shown = bounce_models.bounces(predicted.problem.model, values, max(numbers) + 1)
-    at = np.array(numbers)
-    if len(drop.heights_m):
-        return np.asarray(np.ravel(shown.apex_m)[at], dtype=float)
-    times = np.ravel(shown.impact_s)
-    return np.asarray(_gravity(predicted) * (times[at] - times[at - 1]) ** 2 / 8)
-
-
-def _gravity(one: Fit) -> float:
-    return float(one.problem.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
-
-
 def _assisted(one: EngineFit, closed: Prediction) -> EngineHoldout:
     """The engine shows its effective restitution at every drop; that is held against this one's."""
     assert one.effective is not None
     value = one.effective[0]
     own = math.hypot(one.effective[1], one.misfit)
     u_held, score, held = closed.row.u_difference, None, None
-    if closed.again is not None and u_held is not None:
-        held = _mean_restitution(closed.again)
+    if closed.again and u_held is not None:
+        held = sum(weight * _mean_restitution(again) for weight, again in closed.again)
         # the engine was fitted to the same data: beside the closed form's only its own part counts
         score = e_n(value, held, 2 * own, 2 * u_held)
     return EngineHoldout(restitution=value, u=one.u_effective, held=held, u_held=u_held, e_n=score)
@@ -218,8 +162,7 @@ def _assisted(one: EngineFit, closed: Prediction) -> EngineHoldout:
 
 def _mean_restitution(one: Fit) -> float:
     """Mean over the impacts of the first drop."""
-    values, count = one.problem.values(one.x, 0), one.problem.drops[0].count
-    return float(bounce_models.bounces(one.problem.model, values, count).restitution.mean())
+    return float(shown_of(one, one.problem.drops[0].count).restitution.mean())
 
 
 def _tuned(one: TunedFit, place: int, closed: Prediction) -> EngineHoldout:
@@ -229,9 +172,9 @@ def _tuned(one: TunedFit, place: int, closed: Prediction) -> EngineHoldout:
     # the mean over the phases, and over those in which the numbers were found
     own = math.hypot(math.sqrt(2) * float(deviation.u_restitution[0]) / phases, one.misfit)
     score = held = u_held = None
-    if closed.again is not None:
-        speed = closed.again.speeds_m_s[1]
-        held, u_held = closed.again.restitution_at(speed)
+    if closed.again:
+        speed = closed.again[0][1].speeds_m_s[1]
+        held, u_held = mixed([(w, *again.restitution_at(speed)) for w, again in closed.again])
         score = e_n(value, held, 2 * own, 2 * math.hypot(u_held, one.restitution[1]))
     return EngineHoldout(
         restitution=value, u=math.hypot(own, one.restitution[1]), held=held, u_held=u_held,
@@ -246,13 +189,12 @@ def _engine_heights(one: TunedFit, place: int, closed: Prediction) -> Iterator[P
     # errors of several bounces add up
     each = math.sqrt(2 / one.phases) * deviation.u_restitution + one.misfit
     scatter = np.cumsum(each / deviation.restitution)
-    values = closed.predicted.problem.values(closed.predicted.x, 0)
-    shown = bounce_models.bounces(closed.predicted.problem.model, values, closed.drop.count)
+    apexes = closed.apex_m()
     for row in closed.row.heights:
         k = row.number
         if k > len(deviation.restitution):
             break
-        part = float(one.held_m[place][k]) / float(np.ravel(shown.apex_m)[k])
+        part = float(one.held_m[place][k]) / float(apexes[k])
         predicted = row.predicted * part
         u = math.hypot(row.u_predicted * part, 2 * predicted * float(scatter[k - 1]))
         judged = None
