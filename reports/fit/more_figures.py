@@ -109,7 +109,7 @@ def profile_figures(run: Run) -> list[Figure]:
     ]  # fmt: skip
 
 
-def _profile_panel(row: ProfileRow, closed: Unknown, over_all: Unknown | None) -> Panel:
+def _profile_panel(row: ProfileRow, closed: Unknown, over_all: Unknown | None = None) -> Panel:
     x, y = _smooth(row, closed.value)
     low, high = float(x.min()), float(x.max())
     series = [
