@@ -5,7 +5,7 @@ import math
 import pytest
 
 from simcompare.fitting.bounces import averaging, holdout, model_selection
-from simcompare.fitting.bounces.averaging import averaged
+from simcompare.fitting.bounces.averaging import alone, averaged
 from simcompare.results.records.fit_forms import Prior
 from tests.bounces import heard
 
@@ -34,10 +34,12 @@ def rows(found, laws):
 
 
 def test_a_drop_of_the_same_ball_agrees_whichever_law_is_true(found):
-    together = rows(found, averaged)
-    # the seeds are fixed; the law of the greatest weight alone misses one of these drops
-    assert all(abs(row.e_n) <= 1 for row in together)
-    assert all(abs(one.e_n) <= 1 for row in together for one in row.heights)
+    together, best = rows(found, averaged), rows(found, lambda choice: alone(choice.best))
+    # 2.6 u are exceeded by chance in 1 % of the drops; the seeds are fixed
+    assert all(abs(row.e_n) < 1.3 for row in together)
+    assert all(abs(one.e_n) < 1.3 for row in together for one in row.heights)
+    # the law of the greatest weight alone misses one by more
+    assert max(abs(row.e_n) for row in best) > max(abs(row.e_n) for row in together)
 
 
 def test_what_is_told_is_the_mean_of_the_laws_and_holds_how_far_they_are_apart(found):
@@ -57,8 +59,8 @@ def test_what_is_told_is_the_mean_of_the_laws_and_holds_how_far_they_are_apart(f
 
 def test_one_law_alone_predicts_as_it_does(found):
     choice, held = found[0]
-    alone = averaging.Averaged(averaged(choice).shares[:1])
-    (one,) = holdout.predict(alone, [held], {})
+    single = averaging.Averaged(averaged(choice).shares[:1])
+    (one,) = holdout.predict(single, [held], {})
     assert one.row is one.laws[0].row
 
 
