@@ -147,10 +147,9 @@ def _one_earlier(cut: _Cut) -> tuple[_Cut, int] | None:
 
 
 def _ends_badly(cut: _Cut) -> bool:
-    """Whether samples of the last flight are off and the ball is not seen afterwards: a catch."""
-    begin, end = cut.bounces.impact_s[-2:]
-    off = np.isin(np.flatnonzero(cut.seen.time_s > begin), list(cut.why))
-    return bool(not _is_low(cut) and np.any(off) and np.any(cut.seen.time_s > end))
+    """Whether the end of the last flight is off and the ball is not seen afterwards: a catch."""
+    end = int(np.searchsorted(cut.seen.time_s, cut.bounces.impact_s[-1]))
+    return not _is_low(cut) and end < len(cut.seen.time_s) and end - 1 in cut.why
 
 
 def _settled(cut: _Cut, guard: float = _GUARD) -> _Cut:
