@@ -85,7 +85,10 @@ def _holdout(fit: BouncesFit) -> str:
     if not fit.holdout.drops:
         return "No drop was kept back (--hold-out), so the fit was not tested."
     judged = [drop.e_n for drop in fit.holdout.drops if drop.e_n is not None]
-    verb = "agrees" if _good(judged) == 1 else "agree"
+    if not judged:
+        text = "The restitution was given, so held-out drops do not test it."
+        return text + (_heights(fit.holdout, fit) if fit.is_tuned else "")
+    verb = "agrees" if 1 in (_good(judged), len(judged)) else "agree"
     text = (
         f"{_good(judged)} of {phrases.counted(len(judged), 'held-out drop')} {verb} with the"
         " fitted restitution within the uncertainty (|E_n| ≤ 1)."
