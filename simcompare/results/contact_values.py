@@ -6,7 +6,6 @@ from pathlib import Path
 
 from simcompare.model.audit import AuditRow
 from simcompare.model.settings import TUNED
-from simcompare.notation import number
 from simcompare.results import fit_file
 
 
@@ -34,7 +33,7 @@ def contact_values(path: Path) -> str:
     if fit.one_number is not None:
         lines.append(
             "# one restitution for all speeds, where the ball's own depends on them:"
-            f" {number(fit.one_number.value, fit.one_number.u)} covers the recorded impacts (± u)"
+            f" {fit.one_number.value:.4g} differs from the ball's {fit.one_number.off}"
         )
     for source in fit.sources:
         if source.status != "ok":

@@ -35,10 +35,12 @@ class OneNumber:
         fit: its parameters; all but the restitution are those of the closed form.
         misfit: root mean square by which the restitution of the recorded impacts differs from it; 0
             where that does not depend on the speed.
+        most: the largest of these differences.
     """
 
     fit: Fit
     misfit: float
+    most: float = 0.0
 
 
 def at_speed(best: Fit, law: Law, speed_m_s: float, *, with_drag: bool = True) -> OneNumber:
@@ -99,17 +101,17 @@ def with_engine(fit: Fit, value: float, u_engine: float) -> Fit:
 
 def _of(best: Fit, law: Law, value: float, u: float, with_drag: bool) -> OneNumber:
     gaps = [law(speed)[0] - value for speed in _speeds(best)]
-    misfit = math.sqrt(float(np.mean(np.square(gaps))))
+    misfit, most = math.sqrt(float(np.mean(np.square(gaps)))), float(np.max(np.abs(gaps)))
     whole = math.hypot(u, misfit)
     if best.problem.model.law == "constant" and with_drag:
         if RESTITUTION not in best.names:
             return OneNumber(best, 0.0)
-        return OneNumber(_told(best, value, whole), misfit)
+        return OneNumber(_told(best, value, whole), misfit, most)
     problem, x = _constant(best, value, with_drag)
     kept = [best.names.index(n) for n in problem.names if n in best.names]
     fit = replace(best, model="constant" + "+drag" * problem.model.drag, problem=problem, x=x)
     fit = _rows(fit, best, problem.names, kept)
-    return OneNumber(_told(fit, value, whole), misfit)
+    return OneNumber(_told(fit, value, whole), misfit, most)
 
 
 def _told(fit: Fit, value: float, u: float) -> Fit:
@@ -172,7 +174,7 @@ def _constant(best: Fit, value: float, with_drag: bool) -> tuple[Problem, Array]
 
 
 def _speeds(best: Fit) -> list[float]:
-    """Speeds of all recorded impacts [m/s]."""
+    """Speeds of all impacts that were recorded [m/s]."""
     found: list[float] = []
     for number, drop in enumerate(best.problem.drops):
         values = best.problem.values(best.x, number)

@@ -252,7 +252,9 @@ def _one_number(best: Fit, plain: OneNumber) -> OneRestitution | None:
     if best.problem.model.law == "constant" or not plain.misfit:
         return None
     at = plain.fit.names.index("restitution")
-    return OneRestitution(float(plain.fit.values[at]), float(plain.fit.u[at]), plain.misfit)
+    return OneRestitution(
+        float(plain.fit.values[at]), float(plain.fit.u[at]), plain.misfit, plain.most
+    )
 
 
 def _parameters(fit: Fit, form: Form, one: EngineFit) -> dict[str, EngineParameter]:

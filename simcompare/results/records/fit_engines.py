@@ -38,11 +38,19 @@ class OneRestitution:
         value: of it.
         u: standard uncertainty with which it stands for every recorded impact.
         misfit: its part from the impacts: root mean square by which they differ from it.
+        most: the largest of these differences; ``None`` in older files.
     """
 
     value: float
     u: float
     misfit: float
+    most: float | None = None
+
+    @property
+    def off(self) -> str:
+        """How far it is from the ball's over the recorded impacts, in words."""
+        words = f"by {self.misfit:.2g} (root mean square over the recorded impacts)"
+        return words if self.most is None else f"{words}, at most {self.most:.2g}"
 
 
 @dataclass(frozen=True)
