@@ -7,6 +7,7 @@ from simcompare.fitting.bounces import one_number
 from simcompare.fitting.bounces.bounce_models import MODELS, bounces
 from simcompare.fitting.bounces.deviations import Deviation, uneven
 from simcompare.fitting.bounces.fit import fit
+from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.roles import roles_of
 from simcompare.fitting.bounces.tuning_goal import (
     MAX_STEPS,
@@ -16,7 +17,7 @@ from simcompare.fitting.bounces.tuning_goal import (
     goal_of,
 )
 from simcompare.scenarios import catalogue
-from tests.bounces import IN_AIR, TRUTH, heard
+from tests.bounces import IN_AIR, TRUTH, filmed, heard
 
 LAW = {**IN_AIR, "exponent": 0.08}
 
@@ -51,7 +52,7 @@ def test_the_nearest_number_is_between_the_ends_and_its_u_holds_the_misfit(best)
     found = one_number.nearest(best, best.restitution_at)
     k = found.fit.names.index("restitution")
     value, u = found.fit.values[k], found.fit.u[k]
-    laws = bounces(MODELS["power"], LAW, 10).restitution
+    laws = bounces(MODELS["power"], LAW, 9).restitution  # of the tenth impact none is known
     assert laws.min() < value < laws.max()
     assert found.misfit == pytest.approx(np.sqrt(np.mean((laws - value) ** 2)), rel=1e-2)
     assert u >= found.misfit
@@ -115,3 +116,18 @@ def test_a_long_drop_is_not_run_longer_than_engines_can_be_waited_for(step_s):
 
 def test_the_first_impacts_are_run_whatever_the_step():
     assert goal(heard(), "constant", 1e-5).counts == (MIN_IMPACTS,)
+
+
+def test_only_an_impact_after_which_the_ball_was_followed_tells_a_restitution(best):
+    times = heard(TRUTH, 7)
+    assert (times.count, times.rebounds) == (7, 6)
+    # the flight after impact 7, its height, or its samples tell how the ball left it
+    assert Impacts(interval_numbers=(6, 7)).rebounds == 7
+    assert Impacts(height_numbers=(0, 7)).rebounds == 7
+    track = filmed(TRUTH)
+    assert track.rebounds == track.track.flight.max()
+    # so the one number is held against nine of ten impacts
+    laws = bounces(MODELS["power"], LAW, 9).restitution
+    found = one_number.at_speed(best, best.restitution_at, best.speeds_m_s[1])
+    value = found.fit.as_dict()["restitution"]
+    assert found.most == pytest.approx(np.abs(laws - value).max(), rel=0.02)

@@ -25,8 +25,8 @@ def one_number(fit: BouncesFit) -> list[str]:
     )
     return [
         f"The ball's restitution goes from {ends[0]} to {ends[1]}. Engines have one number for all"
-        f" speeds, here {which}: {numbers.with_u(one.value, one.u)} (± u) covers the recorded"
-        " impacts. All else is given to engines as the closed form has it."
+        f" speeds, here {which}: {numbers.plain(one.value, 4)} differs from the ball's {one.off}."
+        " All else is given to engines as the closed form has it."
     ]
 
 

@@ -116,6 +116,16 @@ class Impacts:
         return int(max((*self.numbers, *ends, *self.height_numbers, *flights, 1)))
 
     @property
+    def rebounds(self) -> int:
+        """Number of the last impact after which the ball was followed.
+
+        After the last recorded time nothing tells how the ball left, so no restitution is known.
+        """
+        flights = [] if self.track is None else self.track.flight.tolist()
+        ends = [number - 1 for number in self.numbers]
+        return int(max((*ends, *self.interval_numbers, *self.height_numbers, *flights, 1)))
+
+    @property
     def u_known(self) -> bool:
         """Whether every measured number has a stated uncertainty."""
         if self.track is not None:

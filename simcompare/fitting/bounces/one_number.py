@@ -174,11 +174,11 @@ def _constant(best: Fit, value: float, with_drag: bool) -> tuple[Problem, Array]
 
 
 def _speeds(best: Fit) -> list[float]:
-    """Speeds of all impacts that were recorded [m/s]."""
+    """Speeds of all impacts whose rebound was recorded [m/s]."""
     found: list[float] = []
     for number, drop in enumerate(best.problem.drops):
         values = best.problem.values(best.x, number)
-        shown = bounce_models.bounces(best.problem.model, values, drop.count)
+        shown = bounce_models.bounces(best.problem.model, values, drop.rebounds)
         found += np.ravel(shown.speed_m_s).tolist()
     return found
 
