@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from simcompare.fitting.bounces import one_number
+from simcompare.fitting.bounces import one_number, tune_engines
 from simcompare.fitting.bounces.bounce_models import MODELS, bounces
 from simcompare.fitting.bounces.deviations import Deviation, uneven
 from simcompare.fitting.bounces.fit import fit
@@ -88,6 +88,18 @@ def test_the_first_impact_is_what_a_plain_loop_is_tuned_to(best):
     value, _ = best.restitution_at(speed)
     assert found.fit.as_dict()["restitution"] == value
     assert found.misfit > one_number.nearest(best, best.restitution_at).misfit
+
+
+def test_a_goal_has_the_law_that_all_closed_forms_tell_together(best):
+    def law(speed_m_s):
+        return 0.8 - 0.01 * speed_m_s, 0.001
+
+    wanted = goal_of(roles(), best, law, [])
+    shown = Deviation(*[np.zeros(10)] * 3, np.full(10, 0.8), np.zeros(10), np.zeros(10))
+    # what stands beside an engine's impacts is what it was tuned to, not one law among others
+    rows = tune_engines.recorded_impacts(best, wanted, [shown])
+    assert all(row.closed_form == law(row.speed_m_s)[0] for row in rows)
+    assert rows[0].closed_form == pytest.approx(wanted.restitution, rel=1e-12)
 
 
 def test_a_usual_drop_is_run_at_all_phases():

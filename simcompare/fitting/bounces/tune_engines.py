@@ -168,7 +168,7 @@ def _result(
         cost_s, first, middle,
         _numbers(tuning, first.trajectory, math.hypot(goal.u, misfit, gap), slope),
         first.job.scenario.world.engine_step_s, (goal.restitution, goal.u),
-        tuple(_impacts(best, goal, shown)),
+        tuple(recorded_impacts(best, goal, shown)),
         max(part.penetration_m for every in parts[: goal.fitted] for part in every),
         tuning, tuple(deviations[goal.fitted :]), tuple(_apexes(goal, deviations)), goal.phases,
     )  # fmt: skip
@@ -251,8 +251,14 @@ def _effective(
     return float(every.mean()), math.hypot(phase, uneven(shown))
 
 
-def _impacts(best: Fit, goal: TuningGoal, shown: Sequence[Deviation]) -> list[Impact]:
-    """Each recorded impact: what the closed form says of it, and what the engine showed."""
+def recorded_impacts(best: Fit, goal: TuningGoal, shown: Sequence[Deviation]) -> list[Impact]:
+    """Each recorded impact: what all closed forms say of it, and what the engine showed.
+
+    Args:
+        best: the closed form whose flights are those of the drops.
+        goal: what engines were tuned to.
+        shown: what the engine showed, drop by drop.
+    """
     found = []
     for drop, deviations in enumerate(shown):
         values, count = best.problem.values(best.x, drop), len(deviations.restitution)
@@ -265,11 +271,12 @@ def _impacts(best: Fit, goal: TuningGoal, shown: Sequence[Deviation]) -> list[Im
             bounce_models.bounces(bounce_models.MODELS["constant"], run_with, count).impact_s
         )
         for k in range(count):
-            law, value = float(np.ravel(closed.restitution)[k]), float(deviations.restitution[k])
+            speed, value = float(np.ravel(closed.speed_m_s)[k]), float(deviations.restitution[k])
+            law = goal.law(speed)[0]
             scatter = float(deviations.u_restitution[k])
             found.append(
                 Impact(
-                    drop=drop + 1, number=k + 1, speed_m_s=float(np.ravel(closed.speed_m_s)[k]),
+                    drop=drop + 1, number=k + 1, speed_m_s=speed,
                     closed_form=law, restitution=value, u_phase=scatter / math.sqrt(goal.phases),
                     scatter=scatter, deviation=value / law - 1,
                     late_s=float(deviations.late_s[k] + run_s[k] - law_s[k]),

@@ -29,6 +29,7 @@ class TuningGoal:
 
     Attributes:
         plain: the closed form with the restitution of that impact for all speeds.
+        law: restitution of the ball, which all closed forms tell together.
         restitution: of that impact.
         u: its standard uncertainty.
         speed_m_s: speed of that impact [m/s].
@@ -41,6 +42,7 @@ class TuningGoal:
     """
 
     plain: OneNumber
+    law: Law
     restitution: float
     u: float
     speed_m_s: float
@@ -83,7 +85,7 @@ def goal_of(
     )
     lasts = tuple(_lasts_s(one, n, step) for one, n in zip(drops, counts, strict=True))
     plain = at_speed(best, law, speed, with_drag=roles.has_drag)
-    return TuningGoal(plain, restitution, u, speed, lead, drops, counts, lasts, phases,
+    return TuningGoal(plain, law, restitution, u, speed, lead, drops, counts, lasts, phases,
                       len(best.problem.drops))  # fmt: skip
 
 
