@@ -44,7 +44,8 @@ def typed(run: Run) -> Table:
     step_ms = 1e3 * record.valid.engine_step_s
     note = (
         f"For a fixed step of {numbers.plain(step_ms)} ms alone. Scatter: how far a single impact"
-        " may be off. With all digits: simcompare export --fit … --contact-values."
+        f" may be off. With all digits: simcompare export {run.record.scenario_asked} --fit …"
+        " --contact-values."
     )
     return Table("What to type into your own loop", columns, (Group("", tuple(rows)),), note)
 
