@@ -628,6 +628,8 @@ def test_the_command_says_how_far_the_fit_can_be_trusted_and_its_advice_works(ca
     assert "No drop was kept back (--hold-out), so the fit was not tested." in words
     assert "Value ± 95 %" in words
     assert "± 95 %: the true value lies in this range with 95 % probability" in words
+    # two meanings of ± in one view: what stands in brackets is one u
+    assert "u in brackets: 0.7969(48) means u = 0.0048" in words
     advice = re.search(r"such as (--fix \S+)\.", words)
     code, said, _ = call(*asked, *advice[1].split())
     assert code == 0
