@@ -66,7 +66,8 @@ def choice_words(choice):
 def known_words(fit):
     """What a report says that the data can tell."""
     filmed = any(drop.track for drop in fit.problem.drops)
-    return identifiability_words.of_bounces(identifiability(fit), fit.problem.priors, filmed=filmed)
+    recorded = "video track" if filmed else "sound"
+    return identifiability_words.of_bounces(identifiability(fit), fit.problem.priors, recorded)
 
 
 def recording(streams=None, events=(), file="log.csv") -> Recording:

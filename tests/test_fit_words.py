@@ -163,9 +163,9 @@ def test_a_model_that_does_not_fit_is_told_with_its_error():
         ({"dof": 0}, "as many unknowns as measured numbers"),
         ({"scattered": True, "s2": 4.0}, "the data scatter 2.0 times as much as stated"),
         ({"parameters": {"exponent": unknown(0.1, None, None, open_low=True, open_high=True)}},
-         "the data do not tell the velocity exponent"),
+         "the data do not tell the exponent"),
         ({"parameters": {"exponent": unknown(0.1, None, 0.2, open_low=True)}},
-         "the data give no lower limit of the velocity exponent"),
+         "the data give no lower limit of the exponent"),
     ],
 )  # fmt: skip
 def test_what_a_reader_must_know_of_a_form(more, words):
@@ -212,14 +212,15 @@ def known(correlation, weak=0.0):
             known(-0.958),
             (
                 "the data determine all unknowns",
-                "restitution and drop height go together (correlation −0.96): quote both",
+                "these go together, with their correlation: restitution and drop height (−0.96);"
+                " quote both",
             ),
         ),
         (
             known(0.3, 1e-3),
             (
-                "a sound cannot separate drop height and restitution: give one of them with --fix"
-                " or --prior",
+                "drop height and restitution are not separated by the sound: give one of them with"
+                " --fix or --prior",
                 "the noise hides this change: restitution +0.01, drop height −0.2 m",
             ),
         ),
@@ -227,11 +228,41 @@ def known(correlation, weak=0.0):
             known(0.3, 1e-9),
             (
                 "the data do not tell restitution and drop height apart",
-                "a sound cannot separate drop height and restitution: give one of them with --fix"
-                " or --prior",
+                "drop height and restitution are not separated by the sound: give one of them with"
+                " --fix or --prior",
             ),
         ),
     ],
 )
 def test_what_the_data_tell(found, words):
-    assert identifiability_words.of_bounces(found, {}, filmed=False) == words
+    assert identifiability_words.of_bounces(found, {}, "sound") == words
+
+
+@pytest.mark.parametrize(
+    ("speed", "slope", "told"),
+    [
+        # neither is certain
+        (unknown(9.5, 7.0, None), unknown(0.02, -0.01, 0.05), True),
+        # the air is seen, or a slope is: the data have separated the two
+        (unknown(9.508, 9.43, 9.59), unknown(0.02, -0.01, 0.05), False),
+        (unknown(9.5, 7.0, None), unknown(0.02, 0.01, 0.03), False),
+    ],
+)
+def test_drag_and_slope_are_told_as_one_only_where_neither_is_certain(speed, slope, told):
+    moves = {"terminal_speed_m_s": 1.0, "exponent": 0.01}
+    found = Identifiability(
+        names=tuple(moves), singular_values=(1.0, 1e-3), condition=1e3, u_data=(0.1, 0.1),
+        u=(0.1, 0.1), correlation=((1.0, 0.3), (0.3, 1.0)),
+        directions=(Direction(1.0, {}, False), Direction(1e-3, moves, True)),
+    )  # fmt: skip
+    parameters = {"terminal_speed_m_s": speed, "exponent": slope}
+    words = " ".join(identifiability_words.of_bounces(found, {}, "stopwatch", parameters))
+    assert ("drag and a restitution that depends on speed are not separated by the impact times"
+            in words) == told  # fmt: skip
+    assert "sound" not in words
+
+
+def test_a_slope_that_every_rival_has_leaves_only_the_air_open():
+    best, rival = candidate("a", 0.0, law="power"), candidate("b", 2.0, law="linear", drag=True)
+    (told,) = form_words.cure(choice(best, rival), chosen())
+    assert told.startswith("the data cannot tell whether the air slows the ball")

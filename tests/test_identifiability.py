@@ -46,7 +46,7 @@ def test_restitution_and_drag_cannot_be_told_apart_together_with_a_velocity_expo
     assert len(weak) == 1
     assert {"restitution", "terminal_speed_m_s", "exponent"} <= set(weak[0].moves)
     assert known_words(found)[0].startswith(
-        "a sound cannot separate drag from a restitution that depends on speed: give the terminal"
+        "drag and a restitution that depends on speed are not separated by the sound: give the"
     )
 
 

@@ -24,8 +24,11 @@ def worded(fit: BouncesFit) -> BouncesFit:
     """The record of a fit with all its sentences."""
     closed = fit.closed_form
     closed = replace(closed, warnings=form_words.warnings(closed))
-    filmed = any(drop.samples for drop in fit.measured)
-    known = identifiability_words.of_bounces(fit.identifiability, closed.priors, filmed=filmed)
+    kinds = {drop.kind for drop in fit.measured}
+    recorded = kinds.pop() if len(kinds) == 1 else "recording"
+    known = identifiability_words.of_bounces(
+        fit.identifiability, closed.priors, recorded, closed.parameters
+    )
     found = replace(
         fit,
         dropped=tuple(text for drop in fit.measured for text in dropped(drop)),

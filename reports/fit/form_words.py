@@ -130,7 +130,8 @@ def cure(found: Choice, best: Form) -> tuple[str, ...]:
     among = [found.candidates[0], *found.rivals]
     if _SPEED in best.fixed or _SPEED in best.priors or len({c.drag for c in among}) == 1:
         return ()
-    by_speed = any(c.law != "constant" for c in among)
+    # a slope that all of them have is seen, whatever the air does
+    by_speed = len({c.law == "constant" for c in among}) > 1
     what = "tell air drag from a restitution that depends on speed" if by_speed else (
         "tell whether the air slows the ball")  # fmt: skip
     return (f"the data cannot {what}: give the terminal speed of your ball, such as"

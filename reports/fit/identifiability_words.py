@@ -7,13 +7,16 @@ from dataclasses import dataclass
 
 from simcompare import units
 from simcompare.reports.validation import phrases
-from simcompare.results.records.fit_forms import Prior
+from simcompare.results.records.fit_forms import Prior, Unknown
 from simcompare.statistics.identifiability import BLIND, Direction, Identifiability
 
+_SPEED, _SLOPE = "terminal_speed_m_s", "exponent"
+#: kind of a recording -> what of it is fitted, where that says more
+_RECORDED = {"stopwatch": "impact times"}
 #: correlation that is mentioned
 CORRELATED = 0.95
 _TITLES = {
-    "restitution": "restitution", "exponent": "velocity exponent",
+    "restitution": "restitution", "exponent": "exponent",
     "terminal_speed_m_s": "terminal speed", "drop_height_m": "drop height",
     "release_time_s": "release time", "clock_skew": "clock skew", "floor_m": "floor level",
     "scale": "length scale", "gravity_m_s2": "gravity",
@@ -34,17 +37,25 @@ class _Language:
 
 
 def of_bounces(
-    known: Identifiability, priors: Mapping[str, Prior], *, filmed: bool
+    known: Identifiability,
+    priors: Mapping[str, Prior],
+    recorded: str,
+    parameters: Mapping[str, Unknown] | None = None,
 ) -> tuple[str, ...]:
     """What drops can tell about the unknowns of a closed form.
 
     Args:
         known: what was found.
         priors: what was known of unknowns.
-        filmed: whether a drop was filmed, not only heard.
+        recorded: kind of what was recorded, such as "sound".
+        parameters: what was found of the unknowns.
     """
-    what = "video" if filmed else "sound"
-    words = _words(known, _Language(called, lambda names: _advice(what, names, priors)))
+    sure = _sure(parameters or {})
+
+    def advise(kinds: Set[str]) -> str:
+        return _advice(recorded, kinds - sure, priors) if kinds - sure else ""
+
+    words = _words(known, _Language(called, advise))
     for name, u in zip(known.names, known.u, strict=True):
         prior = priors.get(name)
         if prior is not None and u is not None and u > 0.9 * prior.u:
@@ -70,9 +81,12 @@ def _words(known: Identifiability, language: _Language) -> list[str]:
         for j, rho in enumerate(row[:i])
         if rho is not None and abs(rho) > CORRELATED
     ]
-    for _, i, j, rho in sorted(pairs, reverse=True)[:4]:
-        a, b = language.title(names[j]), language.title(names[i])
-        words.append(f"{a} and {b} go together (correlation {_near_one(rho)}): quote both")
+    told = [
+        f"{language.title(names[j])} and {language.title(names[i])} ({_near_one(rho)})"
+        for _, i, j, rho in sorted(pairs, reverse=True)[:4]
+    ]
+    if told:
+        words.append(f"these go together, with their correlation: {', '.join(told)}; quote both")
     return words
 
 
@@ -89,21 +103,40 @@ def _weak(direction: Direction, largest: float, language: _Language) -> list[str
     advice = language.advise(kinds)
     if largest > BLIND * direction.singular_value:
         blind = "the data do not tell " + names
-        return [blind + (" apart" if len(direction.moves) > 1 else ""), advice]
+        words = [blind + (" apart" if len(direction.moves) > 1 else ""), advice]
+        return [text for text in words if text]
     moves = ", ".join(
         f"{language.title(name)} {move:+.2g}{language.unit(name)}".replace("-", "−")
         for name, move in direction.moves.items()
     )
-    return [advice, f"the noise hides this change: {moves}"]
+    return [text for text in (advice, f"the noise hides this change: {moves}") if text]
 
 
-def _advice(what: str, kinds: Set[str], priors: Mapping[str, Prior]) -> str:
-    if {"terminal_speed_m_s", "exponent"} <= kinds:
-        if "terminal_speed_m_s" in priors:
-            return (f"a {what} hardly separates drag from a restitution that depends on speed: a"
+def _sure(parameters: Mapping[str, Unknown]) -> set[str]:
+    """Drag and slope where a 95 % interval says that they are there: these were separated."""
+    speed, slope = parameters.get(_SPEED), parameters.get(_SLOPE)
+    sure = {_SPEED} if speed is not None and _is_drag(speed) else set()
+    return sure | ({_SLOPE} if slope is not None and _is_slope(slope) else set())
+
+
+def _is_drag(speed: Unknown) -> bool:
+    """Whether the terminal speed has an upper end: the ball is slowed by the air."""
+    return speed.value is not None and speed.high is not None and not speed.open_high
+
+
+def _is_slope(slope: Unknown) -> bool:
+    """Whether the interval of the exponent leaves 0 out."""
+    return (slope.low is not None and slope.low > 0) or (slope.high is not None and slope.high < 0)
+
+
+def _advice(recorded: str, kinds: Set[str], priors: Mapping[str, Prior]) -> str:
+    what = f"by the {_RECORDED.get(recorded, recorded)}"
+    if {_SPEED, _SLOPE} <= kinds:
+        if _SPEED in priors:
+            return (f"drag and a restitution that depends on speed are hardly separated {what}: a"
                     " terminal speed that is better known helps")  # fmt: skip
         return (
-            f"a {what} cannot separate drag from a restitution that depends on speed: give the"
+            f"drag and a restitution that depends on speed are not separated {what}: give the"
             " terminal speed, √(2·m·g/(ρ·c_d·A)) from mass and diameter, with --prior"
         )
     if "clock_skew" in kinds:
@@ -111,7 +144,9 @@ def _advice(what: str, kinds: Set[str], priors: Mapping[str, Prior]) -> str:
     if "scale" in kinds:
         return "a length scale looks like another gravity or drop height: measure a length"
     names = " and ".join(_TITLES[kind] for kind in sorted(kinds))
-    return f"a {what} cannot separate {names}: give one of them with --fix or --prior"
+    if len(kinds) == 1:
+        return f"the {names} is hardly told {what}: give it with --fix or --prior"
+    return f"{names} are not separated {what}: give one of them with --fix or --prior"
 
 
 def _signal_advice(names: Set[str]) -> str:
