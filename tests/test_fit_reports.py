@@ -394,6 +394,12 @@ def test_the_table_of_engines_is_the_record(heard):
         assert row[4] == str(source.simulations)
 
 
+def test_an_exponent_has_one_meaning_whatever_the_law(falling, heard):
+    meaning = "exponent: −d ln e/d ln v at 4 m/s"
+    assert meaning in tables.parameters(falling).note
+    assert meaning not in tables.parameters(heard).note
+
+
 def test_an_engines_interval_holds_its_own_scatter(any_run):
     for source in any_run.record.fit.sources:
         row = source.parameters["restitution"]

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -266,3 +267,24 @@ def test_a_slope_that_every_rival_has_leaves_only_the_air_open():
     best, rival = candidate("a", 0.0, law="power"), candidate("b", 2.0, law="linear", drag=True)
     (told,) = form_words.cure(choice(best, rival), chosen())
     assert told.startswith("the data cannot tell whether the air slows the ball")
+
+
+@pytest.mark.parametrize(
+    ("law", "slope", "words"),
+    [
+        ("power", unknown(0.03, 0.01, 0.05), "depends on the speed: "),
+        ("linear", unknown(0.0, -0.02, 0.02), "is "),
+        # a law without an exponent: the ends differ by 0.02 ± 0.014
+        ("hunt_crossley", None, "is "),
+    ],
+)
+def test_a_dependence_on_the_speed_is_told_only_where_it_is_seen(law, slope, words):
+    ends = (AtSpeed(0.5, 0.80, 0.01, 0.78, 0.82), AtSpeed(4.0, 0.78, 0.01, 0.76, 0.80))
+    rows = {"restitution": unknown(0.78, 0.76, 0.80)} | ({"exponent": slope} if slope else {})
+    record = SimpleNamespace(
+        closed_form=form(model="m", parameters=rows, restitution=ends),
+        choice=choice(replace(candidate("m", 0.0, law=law), weight=1.0)),
+    )
+    told = fits.restitution_words(record)
+    assert told.startswith(f"The restitution {words}0.800 ± 0.020 at 0.5 m/s")
+    assert told.endswith("; no dependence on the speed is seen.") == (words == "is ")

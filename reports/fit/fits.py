@@ -22,7 +22,7 @@ from simcompare.results.run import Run
 Estimate = Value | Unknown | EngineParameter | EffectiveValue | AtSpeed
 Ranged = Unknown | EngineParameter | Repeats | AtSpeed
 CLOSED = "closed form"
-RESTITUTION = "restitution"
+RESTITUTION, EXPONENT = "restitution", "exponent"
 #: kinds of measured numbers that are in seconds
 _TIMES = ("times", "intervals")
 #: drops that are drawn beside each other; the tables have all
@@ -131,9 +131,25 @@ def restitution_words(found: BouncesFit) -> str:
         at = [f"{interval_words(one)} at {_speed(one)}" for one in ends]
         return (f"The restitution lies in the range {' and '.join(at)} (95 %); models that fit as"
                 " well disagree.")  # fmt: skip
-    verb = "is" if law_of(found) == "constant" or len(ends) == 1 else "depends on the speed:"
+    seen = len(ends) > 1 and depends(found.closed_form)
+    verb = "depends on the speed:" if seen else "is"
     at = [f"{with_95(one)} at {_speed(one)}" for one in ends]
-    return f"The restitution {verb} {' and '.join(at)} (95 %)."
+    none = "" if seen or len(ends) == 1 else "; no dependence on the speed is seen"
+    return f"The restitution {verb} {' and '.join(at)} (95 %){none}."
+
+
+def depends(form: Form) -> bool:
+    """Whether the restitution changes with the speed by more than its uncertainty.
+
+    Where the closed form has an exponent, that must differ from 0; else the restitutions at the
+    slowest and the fastest impact from each other.
+    """
+    slope = form.parameters.get(EXPONENT)
+    if slope is not None:
+        low, high = interval(slope)
+        return low > 0 or high < 0
+    slow, fast = form.restitution
+    return abs(slow.value - fast.value) > 2 * math.hypot(slow.u, fast.u)
 
 
 def restitution_of_first(found: BouncesFit) -> tuple[str, str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from simcompare import glossary
 from simcompare.reports.fit import fits
 from simcompare.reports.fit.fits import CLOSED, RESTITUTION
 from simcompare.reports.render import numbers
@@ -71,6 +72,8 @@ def parameters(run: Run) -> Table:
     columns = (Column("Source", text=True), Column("Value ± u"),
                Column("95 % interval", text=True), Column("u from the engine"))  # fmt: skip
     note = "Where no engine is named, all of them are given what the closed form has."
+    if fits.EXPONENT in closed:
+        note += f" {glossary.legend([fits.EXPONENT])[0]}."
     return Table("All unknowns", columns, tuple(groups), note, folded=True)
 
 

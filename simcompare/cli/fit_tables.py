@@ -68,9 +68,9 @@ def _show(table: Table | None) -> None:
 def _words(found: AnyFit) -> tuple[str, ...]:
     """Words of the tables that a legend explains."""
     if isinstance(found, BouncesFit):
-        return (
-            ("± 95 %", "first restitution", "u in brackets") if found.is_tuned else ("± 95 %", "u")
-        )
+        slope = ("exponent",) if fits.EXPONENT in found.closed_form.parameters else ()
+        own = ("first restitution", "u in brackets") if found.is_tuned else ("u",)
+        return ("± 95 %", *slope, *own)
     return ("± 95 %", "u in brackets") if isinstance(found, WaveformFit) else ("held out",)
 
 
