@@ -138,7 +138,9 @@ def test_only_an_impact_after_which_the_ball_was_followed_tells_a_restitution(be
     assert Impacts(height_numbers=(0, 7)).rebounds == 7
     track = filmed(TRUTH)
     assert track.rebounds == track.track.flight.max()
-    # so the one number is held against nine of ten impacts
+    # so the headline, and the one number, are of nine of ten impacts
+    speeds = bounces(MODELS["power+drag"], LAW, 10).speed_m_s
+    assert best.speeds_m_s == pytest.approx((speeds[8], speeds[0]), rel=1e-3)
     laws = bounces(MODELS["power"], LAW, 9).restitution
     found = one_number.at_speed(best, best.restitution_at, best.speeds_m_s[1])
     value = found.fit.as_dict()["restitution"]

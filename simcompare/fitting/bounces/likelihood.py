@@ -77,7 +77,7 @@ class Fit:
         count: number of measured numbers.
         effective: how many unknowns the data, not the priors, determine.
         rms: of the residuals, by kind: "times" and "intervals" [s], "heights" and "track" [m].
-        speeds_m_s: slowest and fastest impact in the data [m/s].
+        speeds_m_s: slowest and fastest impact whose rebound was recorded [m/s].
         pulls: how far each prior is from what the data say, in standard uncertainties.
         at_bound: unknowns that ended at a bound.
         profiles: of the unknowns whose normal interval may be wrong.
@@ -266,6 +266,6 @@ def _speeds(problem: Problem, x: Array) -> tuple[float, float]:
     speeds = []
     for number, drop in enumerate(problem.drops):
         values = problem.values(x, number)
-        found = bounce_models.bounces(problem.model, values, drop.count).speed_m_s
+        found = bounce_models.bounces(problem.model, values, drop.rebounds).speed_m_s
         speeds += [float(found.min()), float(found.max())]
     return min(speeds), max(speeds)
