@@ -11,7 +11,15 @@ from simcompare.comparison.repeats import sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known
-from simcompare.fitting.bounces import assumed, holdout, model_selection, plot_data, records
+from simcompare.errors import InputError
+from simcompare.fitting.bounces import (
+    assumed,
+    holdout,
+    limits,
+    model_selection,
+    plot_data,
+    records,
+)
 from simcompare.fitting.bounces.assisted_fit import fit_engines
 from simcompare.fitting.bounces.averaging import averaged
 from simcompare.fitting.bounces.bounce_models import GRAVITY as STANDARD
@@ -25,6 +33,7 @@ from simcompare.fitting.bounces.request import (
     candidates,
     check_request,
     given_of,
+    named,
     numbers_of,
 )
 from simcompare.fitting.bounces.roles import Roles, roles_of
@@ -82,7 +91,10 @@ def fit_bounces(
     step_s = None if step is None else sample_step_s(file, given, None, step)
     roles = roles_of(file, given)
     stated = {name: Prior(value, u) for name, (value, u) in (request.priors or {}).items()}
-    fixed, priors = roles.known(numbers_of(request.fixed or {}), stated)
+    exact, sought = numbers_of(request.fixed or {}), named(request.unknowns)
+    if faults := limits.faults(roles, exact, stated, sought):
+        raise InputError(file.name, faults)
+    fixed, priors = roles.known(exact, stated)
     settings = file.read_settings(request.set or {})
     check_request(request.recordings, request.hold_out, request.u_time_s, roles, settings)
     gravity = fixed.get(GRAVITY, priors[GRAVITY].value if GRAVITY in priors else STANDARD)
@@ -90,9 +102,9 @@ def fit_bounces(
     drops = [drop for name in request.recordings for drop in drops_of(name, *reading)]
     held = [drop for name in request.hold_out for drop in drops_of(name, *reading)]
     assumed.check_scale(drops, {"--fix": fixed, "--prior": stated})
-    priors = {**assumed.of_recorder(drops, request.unknowns), **priors}
+    priors = {**assumed.of_recorder(drops, sought), **priors}
     priors = {name: prior for name, prior in priors.items() if name not in fixed}
-    constraints = Constraints(request.unknowns, fixed, priors)
+    constraints = Constraints(sought, fixed, priors)
     choice = model_selection.compare(
         drops,
         candidates(request.model, constraints),

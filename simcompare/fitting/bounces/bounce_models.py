@@ -201,7 +201,8 @@ def restitution_at(model: Model, values: Mapping[str, Array | float], speed: Arr
     if model.law == "hunt_crossley":
         return hunt_crossley.restitution(hunt_crossley.dissipation(e) * speed)
     law = _sloped(model.law, e, np.asarray(given["exponent"], dtype=float), speed)
-    return np.broadcast_to(law, np.broadcast_shapes(e.shape, np.shape(speed))).copy()
+    shape = np.broadcast_shapes(e.shape, np.shape(speed), np.shape(law))
+    return np.broadcast_to(law, shape).copy()
 
 
 def exponent_of(model: Model, values: Mapping[str, Array | float]) -> Array:

@@ -77,13 +77,23 @@ def given_of(
 
 def numbers_of(fixed: Mapping[str, str | float]) -> dict[str, float]:
     """Fixed values by the closed form's names [SI]."""
-    found = {}
-    for text, value in fixed.items():
-        name = units.find_name(text, bounce_models.DEFAULTS)
+    return {
+        name: units.to_si(value, units.unit_of(name), f"--fix {text}")
+        for text, value in fixed.items() for name in named([text])
+    }  # fmt: skip
+
+
+def named(texts: Sequence[str]) -> tuple[str, ...]:
+    """Unknowns or parameters as users type them, by the closed form's names.
+
+    Raises:
+        UnknownName: no closed form has one of that name.
+    """
+    found = [units.find_name(text, bounce_models.DEFAULTS) for text in texts]
+    for text, name in zip(texts, found, strict=True):
         if name is None:
             raise UnknownName("parameter of a bounce", text, bounce_models.DEFAULTS)
-        found[name] = units.to_si(value, units.unit_of(name), f"--fix {text}")
-    return found
+    return tuple(dict.fromkeys(name for name in found if name is not None))
 
 
 def candidates(model: str, constraints: Constraints) -> list[str]:

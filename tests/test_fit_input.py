@@ -1,0 +1,79 @@
+"""What a fit of bounces cannot use is refused in words: values, options, tables and tracks."""
+
+import pytest
+
+import simcompare
+from simcompare.errors import InputError
+
+#: a ball of restitution 0.78 from 0.8 m: times between impacts [s]
+FLIGHTS = (0.630121, 0.491495, 0.383366, 0.299025, 0.233240, 0.181927)
+
+
+def table(path, values=FLIGHTS, heading="bounce,interval (s)"):
+    rows = "".join(f"{k},{value}\n" for k, value in enumerate(values, start=1))
+    path.write_text(f"{heading}\n{rows}", encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def drop(tmp_path):
+    return table(tmp_path / "drop.csv")
+
+
+def fitted(*recordings, **more):
+    return simcompare.fit("ball", recordings=recordings, engine="pymunk", **more)
+
+
+def faults_of(*recordings, **more):
+    with pytest.raises(InputError) as error:
+        fitted(*recordings, **more)
+    return error.value.faults
+
+
+# ---- values and options -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("option", "given", "message"),
+    [
+        ("fixed", {"gravity": 0}, "--fix gravity=0m/s² is outside 0.1m/s² to 30m/s²"),
+        ("fixed", {"gravity": 981}, "--fix gravity=981m/s² is outside 0.1m/s² to 30m/s²"),
+        ("fixed", {"restitution": 1.5}, "--fix restitution=1.5 is outside 0.01 to 0.99"),
+        ("fixed", {"terminal_speed": "0m/s"}, "terminal_speed=0m/s is outside 0.5m/s and more"),
+        ("fixed", {"terminal_speed": -3}, "terminal_speed=-3m/s is outside 0.5m/s and more"),
+        ("priors", {"clock_skew": (100, 5e-6)}, "are written --prior clock_skew=100ppm:5ppm"),
+        ("priors", {"clock_skew": (0, 5)}, "are written --prior clock_skew=0:5ppm"),
+        ("priors", {"scale": (0.0, 0.01)}, "scale=0:0.01: the value is outside 0.1 to 10"),
+        ("priors", {"gravity_m_s2": (-9.81, 0.01)}, "gravity=-9.81m/s²:0.01m/s²: the value"),
+        ("priors", {"terminal_speed_m_s": (9, 20)}, "the uncertainty is above 9m/s"),
+        ("priors", {"restitution": (0.8, 0)}, "the uncertainty must be above 0"),
+    ],
+)  # fmt: skip
+def test_what_is_known_must_be_possible(drop, option, given, message):
+    (fault,) = faults_of(drop, **{option: given})
+    assert message in fault
+
+
+def test_all_that_is_impossible_is_told_at_once(drop):
+    found = faults_of(drop, fixed={"gravity": 0, "restitution": 2}, priors={"scale": (0, 1)})
+    assert len(found) == 3
+
+
+@pytest.mark.parametrize(
+    "more", [{"priors": {"drop_height_m": (0.8, 1e-3)}}, {"unknowns": "drop_height"}]
+)
+def test_what_is_exact_is_not_sought_too(drop, more):
+    (fault,) = faults_of(drop, fixed={"drop_height": "0.8m"}, **more)
+    assert "drop_height stands in --fix and in" in fault
+
+
+def test_unknowns_have_the_names_that_fixed_values_have(drop):
+    found = fitted(drop, unknowns="gravity").record.fit
+    assert "gravity_m_s2" in found.closed_form.parameters
+
+
+@pytest.mark.parametrize("value", [0.78, 0.9])
+def test_a_restitution_can_be_fixed(drop, value):
+    form = fitted(drop, fixed={"restitution": value}).record.fit.closed_form
+    assert form.fixed["restitution"] == value
+    assert "restitution" not in form.parameters
