@@ -77,3 +77,28 @@ def test_a_restitution_can_be_fixed(drop, value):
     form = fitted(drop, fixed={"restitution": value}).record.fit.closed_form
     assert form.fixed["restitution"] == value
     assert "restitution" not in form.parameters
+
+
+# ---- data that tell nothing ---------------------------------------------------------------------
+
+
+def test_flights_that_become_longer_are_none_of_a_ball(tmp_path):
+    grow = table(tmp_path / "grow.csv", [0.2 / 0.8**k for k in range(6)])
+    (fault,) = faults_of(grow)
+    assert "the data tell no restitution: the bounces do not become lower" in fault
+
+
+@pytest.mark.parametrize("u_s", [10.0, 1e9])
+def test_without_any_information_there_is_no_number(drop, u_s):
+    (fault,) = faults_of(drop, u_time_s=u_s)
+    assert "the data tell no restitution: its uncertainty would be" in fault
+    assert "--u-time" in fault
+
+
+@pytest.mark.parametrize(
+    ("factor", "heading"), [(1e3, "bounce,interval (s)"), (1e2, "bounce,rebound_height (m)")]
+)
+def test_a_wrong_unit_is_suspected_where_a_drop_is_too_high(tmp_path, factor, heading):
+    (fault,) = faults_of(table(tmp_path / "wrong.csv", [factor * t for t in FLIGHTS], heading))
+    assert fault.startswith("wrong.csv would be a drop from ")
+    assert "whether the unit of the recording is the right one" in fault

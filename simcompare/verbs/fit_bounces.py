@@ -16,6 +16,7 @@ from simcompare.fitting.bounces import (
     assumed,
     holdout,
     limits,
+    meaning,
     model_selection,
     plot_data,
     records,
@@ -112,6 +113,7 @@ def fit_bounces(
         fixed=constraints.fixed,
         priors=constraints.priors,
     )
+    meaning.check(choice, roles)
     how = _How(engines.select(request.engine), helps, step_s, time_limit_s, progress)
     plain, found, predicted, wanted = _engines(roles, choice, held, constraints, how)
     start = plain.fit
