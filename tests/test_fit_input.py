@@ -102,3 +102,19 @@ def test_a_wrong_unit_is_suspected_where_a_drop_is_too_high(tmp_path, factor, he
     (fault,) = faults_of(table(tmp_path / "wrong.csv", [factor * t for t in FLIGHTS], heading))
     assert fault.startswith("wrong.csv would be a drop from ")
     assert "whether the unit of the recording is the right one" in fault
+
+
+@pytest.mark.parametrize("last", [501, 10**9])
+def test_a_drop_has_no_more_bounces_than_a_fit_takes(tmp_path, last):
+    path = table(tmp_path / "many.csv")
+    path.write_text(path.read_text(encoding="utf-8") + f"{last},0.1\n", encoding="utf-8")
+    (fault,) = faults_of(path)
+    assert fault.startswith(f"a row is numbered {last}; a fit takes 500 bounces")
+
+
+def test_a_track_in_which_nothing_moves_says_so(tmp_path):
+    path = tmp_path / "still.csv"
+    rows = "".join(f"{k / 30:.6f},0.5\n" for k in range(40))
+    path.write_text(f"t (s),y (m)\n{rows}", encoding="utf-8")
+    (fault,) = faults_of(path)
+    assert "is 0.5 m in all samples, so nothing moves in it" in fault

@@ -16,6 +16,9 @@ INTERVALS = "time intervals"
 LOUDNESS, HEIGHT = "sound", "height_m"
 _NOTHING = np.empty(0)
 
+#: most impacts of one drop: a steel ball of restitution 0.99 falls from 1 m to 0.1 mm in them
+MAX_COUNT = 500
+
 
 @dataclass(frozen=True)
 class Track:

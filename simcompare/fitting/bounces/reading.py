@@ -17,7 +17,7 @@ from simcompare.errors import InputError
 from simcompare.fitting.bounces import arcs, ordering, tables
 from simcompare.fitting.bounces.bounce_models import GRAVITY
 from simcompare.fitting.bounces.flights import MIN_SAMPLES
-from simcompare.fitting.bounces.impacts import CLOCKED, LOUDNESS, SOUND, Impacts, Signal
+from simcompare.fitting.bounces.impacts import CLOCKED, LOUDNESS, MAX_COUNT, SOUND, Impacts, Signal
 from simcompare.hardware.logs import tracker_
 from simcompare.hardware.recordings import published
 from simcompare.inference import sources
@@ -81,10 +81,21 @@ def from_recording(
     time_s = recording.streams[stream].time_s
     guessed = [r.channel for r in recording.provenance.repairs if r.rule == tracker_.NO_UNITS]
     assumed = seen.raw in guessed
+    _check_moves(seen.values, name, source)
     if assumed:
         _check_unit(time_s, seen.values, gravity_m_s2, source)
     found = arcs.from_heights(time_s, seen.values, seen.u, gravity_m_s2=gravity_m_s2, source=source)
     return (replace(found, notes=(*found.notes, _METRES)) if assumed else found,)
+
+
+def _check_moves(height: Array, name: str, source: str) -> None:
+    """Raises ``InputError`` where nothing moves: a column that was not tracked, say."""
+    seen = height[np.isfinite(height)]
+    if len(seen) and np.ptp(seen) == 0:
+        raise InputError(source, [
+            f"{name} is {seen[0]:g} m in all samples, so nothing moves in it; a fit needs the"
+            " height of the ball: export the column that holds it"
+        ])  # fmt: skip
 
 
 def _check_unit(time_s: Array, height: Array, gravity_m_s2: float, source: str) -> None:
@@ -187,6 +198,11 @@ def _check(times: Array, u: Array, source: str) -> None:
                       f" at {times[k]:g} s")  # fmt: skip
     if np.any(u <= 0):
         faults.append("a standard uncertainty of an impact time is not above 0")
+    if len(times) > MAX_COUNT:
+        faults.append(
+            f"{len(times)} impacts; a fit takes {MAX_COUNT} at most: cut out the part with the"
+            " bounces"
+        )
     if len(times) < 2:
         faults.append(
             f"{_count(len(times))} found; two at least are needed with a known drop height, three"

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.fitting.bounces.impacts import CLOCKED, INTERVALS, TABLE, Impacts
+from simcompare.fitting.bounces.impacts import CLOCKED, INTERVALS, MAX_COUNT, TABLE, Impacts
 from simcompare.hardware.logs.text.sniff import split
 from simcompare.hardware.recordings import bounce_headings, bounce_table
 from simcompare.hardware.recordings.bounce_headings import HEIGHT, INSTANT, INTERVAL
@@ -56,6 +56,7 @@ def read(path: Path, u_s: float | None = None) -> Impacts:
         InputError: every fault of the table, or there is nothing in it that a fit can use.
     """
     table = bounce_table.read(path, _KNOWN)
+    _check_numbers(table)
     held = {quantity.name for quantity in table.quantities}
     used = next((name for name in _USED if name in held), None)
     if used is None:
@@ -71,6 +72,15 @@ def read(path: Path, u_s: float | None = None) -> Impacts:
     read_as = _from_instants if used == INSTANT else from_intervals
     found = read_as([q.value for q in rows], u, numbers=_numbers(rows), source=path.name)
     return replace(found, notes=(*found.notes, *_unused(table, used)))
+
+
+def _check_numbers(table: BounceTable) -> None:
+    last = max((quantity.bounce for quantity in table.quantities), default=0)
+    if last > MAX_COUNT:
+        raise InputError(table.path.name, [
+            f"a row is numbered {last}; a fit takes {MAX_COUNT} bounces of one drop at most:"
+            " correct the number, or leave out the late bounces"
+        ])  # fmt: skip
 
 
 def _numbers(rows: Sequence[Quantity]) -> list[int]:
