@@ -43,6 +43,9 @@ LATE = {
     "simcompare.verbs.levels": "the file of a fit is read where a level is one",
     "simcompare.results.store": "records of fits and validations are read where one is stored",
     "simcompare.reports.sections": "sections of fits and validations are read for these alone",
+    "simcompare.verbs.fit": "of three kinds of fits only the one that is asked for is read",
+    "simcompare.reports.validation": "words of validations serve fits, which need no records",
+    "simcompare.hardware.conditioning.drive": "mistakes of drives are looked for in drives alone",
     "simcompare.scenarios.catalogue": "names are listed without reading a file",
 }
 

@@ -321,6 +321,24 @@ def test_html_needs_no_heavy_package(tmp_path):
     assert done.stdout.strip() == "[]"
 
 
+def test_reports_of_fits_load_nothing_of_validations():
+    import subprocess
+    import sys
+
+    code = (
+        "import sys; import simcompare.verbs.fit; from simcompare.cli import fit_tables;"
+        "from simcompare.reports.sections import fits;"
+        "theirs = ('simcompare.results.records.validation', 'simcompare.verbs.fit_tosses',"
+        " 'simcompare.hardware.sensors.drive_mistakes', 'scipy.stats', 'scipy.optimize');"
+        "print([name for name in theirs if name in sys.modules])"
+    )
+    root = Path(__file__).parent.parent
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
 def test_text_from_outside_is_escaped(html):
     text = html(RUNS["one failed"])
     assert "<script>alert" not in text

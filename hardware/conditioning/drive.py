@@ -11,17 +11,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, PositiveFloat
 
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.strict import refused
-from simcompare.hardware.sensors import drive_mistakes
-from simcompare.hardware.sensors.drive_mistakes import Cures, Driven
 from simcompare.model.recording import WARNING, Recording, Repair
 from simcompare.model.trajectory import Array
-from simcompare.statistics.suspicions import Suspicion
+
+if TYPE_CHECKING:  # looked for in drives alone
+    from simcompare.hardware.sensors.drive_mistakes import Cures, Driven
+    from simcompare.statistics.suspicions import Suspicion
 
 #: fewest samples that are looked at
 LEAST = 10
@@ -66,6 +68,8 @@ def noted(recording: Recording, drive: Drive | None, where: str) -> Recording:
     wheels, place = _arrays(recording, drive, where)
     if len(wheels) < LEAST:
         return recording
+    from simcompare.hardware.sensors import drive_mistakes
+
     found = drive_mistakes.suspected(wheels_of(wheels, drive, place), _cures(drive))
     if found is None:
         return recording
@@ -86,6 +90,8 @@ def wheels_of(wheels: Array, drive: Drive, place: Array) -> Driven:
         drive: the block of the mapping file.
         place: true places at the same times (n, 2).
     """
+    from simcompare.hardware.sensors.drive_mistakes import Driven
+
     time_s, left, right = wheels.T
     ways = [
         np.concatenate(([0.0], np.cumsum(np.diff(time_s) * (v[1:] + v[:-1]) / 2)))
@@ -107,6 +113,8 @@ def suspicion(drive: Drive, found: Suspicion, place: Array) -> str:
 
 def _cures(drive: Drive) -> Cures:
     """What to write in the mapping file."""
+    from simcompare.hardware.sensors.drive_mistakes import Cures
+
     names = {"left": drive.left, "right": drive.right}
 
     def radius(value_m: float) -> str:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from simcompare.hardware.sensors import odometer
 from simcompare.model.trajectory import Array
@@ -142,6 +141,8 @@ def calibrated(one: Driven) -> float:
 
 def _least(at: Callable[[float], float], grid: Array) -> tuple[float, float]:
     """Where a function is least, and what it is there."""
+    from scipy.optimize import minimize_scalar
+
     best, step = min(grid.tolist(), key=at), grid[1] - grid[0]
     found = minimize_scalar(at, bounds=(best - step, best + step), method="bounded")
     return float(found.x), float(found.fun)

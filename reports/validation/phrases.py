@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from simcompare import units
-from simcompare.results.records.validation import Validation, WaveformRecord
+
+if TYPE_CHECKING:  # reports of runs and fits use these words too, and need no more of it
+    from simcompare.results.records.validation import Validation, WaveformRecord
 
 #: a share below this is nothing
 NOTHING = 5e-4

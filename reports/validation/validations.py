@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from simcompare import units
 from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports.render.tables import printable
 from simcompare.reports.run import runs
-from simcompare.results.records.validation import FITTED, KNOWN, Validation, ValidationRecord
 from simcompare.results.run import Run
+
+if TYPE_CHECKING:  # reports of fits use this module too, and need no more of validations
+    from simcompare.results.records.validation import Validation
 
 MEASURED = "measured"
 BEST, NOMINAL = "best", "nominal"
@@ -25,6 +29,8 @@ _LETTERS = 28
 
 def validation(run: Run) -> Validation:
     """The record of the validation."""
+    from simcompare.results.records.validation import ValidationRecord
+
     assert isinstance(run.record, ValidationRecord)
     return run.record.validation
 
@@ -86,6 +92,8 @@ def short(name: str) -> str:
 
 def last_parameters(run: Run) -> str:
     """The parameters that are judged: the fitted ones where there are any."""
+    from simcompare.results.records.validation import FITTED, KNOWN
+
     return FITTED if is_fitted(run) else KNOWN
 
 

@@ -14,7 +14,6 @@ from simcompare.reports.render.styles import Style, style_of
 from simcompare.reports.run import runs
 from simcompare.reports.validation import validations
 from simcompare.reports.validation.cases import Case, case_of
-from simcompare.results.records.validation import KNOWN
 from simcompare.results.run import Run
 
 TIME = "time (s)"
@@ -106,6 +105,8 @@ def _layers(case: Case) -> Iterator[Series]:
     times, values = with_gaps(case.measured.time_s, factor * case.values)
     yield Series(validations.MEASURED, times, values, _measured_style(values))
     if case.nominal is not None:
+        from simcompare.results.records.validation import KNOWN
+
         nominal = factor * case.nominal.signals[probe]
         yield Series(KNOWN, case.nominal.time_s, nominal, _NOMINAL)
     for name, one in case.engines.items():

@@ -15,7 +15,8 @@ from simcompare.results import store
 from simcompare.results.records.fit import FitRecord
 from simcompare.running.runner import TIME_LIMIT_S, Progress, kept_processes
 from simcompare.scenarios import catalogue
-from simcompare.verbs import fit_bounces, fit_tosses, fit_waveforms, levels
+from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.verbs import levels
 from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import FitRequest
 from simcompare.verbs.result import Result
@@ -101,17 +102,38 @@ def fit(
     if out is not None:
         store.check_writable(Path(out))
     with kept_processes():
-        if file.fit.by == WAVEFORM:
-            only = {"--prior": priors, "--model": model != "auto", "--u-time": u_time_s is not None,
-                    "--assist": assist not in (None, ALL)}  # fmt: skip
-            set_by_user = fit_waveforms.given_of(file, preset, fixed or {}, set or {}, only)
-            done = fit_waveforms.fit_waveform(
-                file, options, set_by_user, time_limit_s=time_limit_s, progress=progress
-            )
-        else:
-            of_kind = fit_tosses.fit_tosses if file.fit.by == TOSSES else fit_bounces.fit_bounces
-            done = of_kind(file, options, time_limit_s=time_limit_s, progress=progress)
+        # of the three kinds of fits, only what the one needs is imported
+        of_kind = {WAVEFORM: _waveform, TOSSES: _tosses}.get(file.fit.by, _bounces)
+        done = of_kind(file, options, time_limit_s, progress)
     return _saved(done, out)
+
+
+def _bounces(
+    file: ScenarioFile, asked: FitRequest, limit_s: float, progress: Progress | None
+) -> Result:
+    from simcompare.verbs.fit_bounces import fit_bounces
+
+    return fit_bounces(file, asked, time_limit_s=limit_s, progress=progress)
+
+
+def _tosses(
+    file: ScenarioFile, asked: FitRequest, limit_s: float, progress: Progress | None
+) -> Result:
+    from simcompare.verbs.fit_tosses import fit_tosses
+
+    return fit_tosses(file, asked, time_limit_s=limit_s, progress=progress)
+
+
+def _waveform(
+    file: ScenarioFile, asked: FitRequest, limit_s: float, progress: Progress | None
+) -> Result:
+    from simcompare.verbs.fit_waveforms import fit_waveform, given_of
+
+    only = {"--prior": asked.priors, "--model": asked.model != "auto",
+            "--u-time": asked.u_time_s is not None,
+            "--assist": asked.assist not in (None, ALL)}  # fmt: skip
+    set_by_user = given_of(file, asked.preset, asked.fixed or {}, asked.set or {}, only)
+    return fit_waveform(file, asked, set_by_user, time_limit_s=limit_s, progress=progress)
 
 
 def _listed(recordings: str | Path | Sequence[str | Path]) -> Sequence[str | Path]:

@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from simcompare.fitting.bounces.bounce_models import Bounces
 from simcompare.fitting.bounces.flights import MIN_SAMPLES, MOST, OUTLIER, Samples, no_flights
@@ -233,6 +232,8 @@ def _is_low(cut: _Cut) -> bool:
 
 def _flies(cut: _Cut, number: int) -> bool:
     """Whether most samples of a flight are on one arc, and not as well on a straight line."""
+    from scipy import stats
+
     own = (_assigned(cut, _GUARD) == number) & (cut.seen.time_s >= cut.release_s)
     lines = _lines(cut, np.where(own, number, -1))
     if not lines:
