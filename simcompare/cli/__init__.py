@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import functools
+import gc
 import io
 import os
 import signal
@@ -24,6 +25,8 @@ from simcompare.errors import OutputError, SimcompareError
 
 #: errors of the system that mean that a disk takes no more
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+#: new objects after which Python looks for circles of them
+_COLLECTED = 100_000
 
 
 class _Verbs(manner.Group):
@@ -186,6 +189,8 @@ def _keep_streams() -> None:
 
 def main() -> None:
     """Entry point of the ``simcompare`` command."""
+    # a command makes many lasting objects and few circles: seldom looked for, these cost less
+    gc.set_threshold(_COLLECTED)
     # an ended terminal or batch job stops a run as Ctrl-C does: workers ended, results kept
     signal.signal(signal.SIGTERM, _interrupt)
     register()
