@@ -248,6 +248,15 @@ def test_a_stale_first_row_alone_is_out_of_order():
         conditioned(damaged, "strict")
 
 
+def test_a_trace_of_microseconds_is_not_whole_minutes():
+    stream = clean()
+    # rounded to three digits, so that the steps are uneven
+    stream.columns[0].values[:] = np.round(np.arange(len(stream)) * 3.3333e-9, 11)
+    recording = conditioned(stream)
+    assert "whole_seconds" not in corruption.defects_in(recording)
+    assert recording.streams["log"].clock.u_s < 1e-9
+
+
 def test_stamps_of_whole_seconds_are_kept_and_unsure_by_half_a_second():
     time = np.floor(np.arange(60) * 1.04)
     recording = conditioned(corruption.of_columns(time, x=np.sin(time)), "strict")

@@ -52,6 +52,8 @@ def _step(work: Work) -> tuple[float, str]:
     mean = float(np.ptp(time)) / (len(time) - 1)
     for step_s, word in _STEPS:
         near = time / step_s
+        if np.ptp(time) < 0.5 * step_s:  # a trace of microseconds, all near to 0 minutes
+            continue
         if step_s >= 0.05 * mean and np.abs(near - np.round(near)).max() < 1e-6:
             return step_s, word
     return 0.0, ""
