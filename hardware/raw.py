@@ -67,6 +67,7 @@ class RawColumn:
         u: standard uncertainty in ``unit``, where the log says: one number or one per sample.
         joint: the joint of which it is, where only its kind decides the unit.
         quantity: position, velocity or effort of that joint.
+        defined: whether its source defines the unit, whatever the name seems to say.
         added_u: what conditioning adds to that of single samples (n,), by the root of the sum of
             squares, wherever it comes from; ``None`` where it adds nothing.
     """
@@ -81,6 +82,7 @@ class RawColumn:
     u: float | Array | None = None
     joint: str = ""
     quantity: str = ""
+    defined: bool = False
     added_u: Array | None = None
 
 

@@ -212,6 +212,58 @@ CASES = {
         ";m/s^2;m/s^2;m/s^2;rad/s;rad/s;rad/s\n", "{t};0.1;{w};9.8;0.1;0.2;0.3",
         {"imu_acceleration_z_m_s2": 9.8, "imu_gyroscope_x_rad_s": 0.1},
     ),
+    "markers of opensim": (
+        "walk.trc", "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"
+        "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\n"
+        "100\t100\t40\t2\tmm\t100\nFrame#\tTime\theel\t\t\ttoe\t\t\n"
+        "\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n",
+        "{n}\t{t}\t500\t2\t3\t4\t5\t250", {"heel_x1_m": 0.5, "toe_z2_m": 0.25, "frame": 20},
+    ),
+    "coordinates of opensim": (
+        "ik.mot", "Coordinates\nversion=1\nnRows=40\nnColumns=3\ninDegrees=yes\n\nendheader\n"
+        "time\tpelvis_tx\tknee_angle_r\n", "{t}\t0.5\t90",
+        {"pelvis_tx_m": 0.5, "knee_angle_r_rad": 90 * DEG},
+    ),
+    "speeds of opensim": (
+        "u.sto", "Speeds\nversion=1\ninDegrees=yes\nendheader\ntime\tpelvis_tx\tknee_angle_r\n",
+        "{t}\t0.5\t90", {"pelvis_tx_m_s": 0.5, "knee_angle_r_rad_s": 90 * DEG},
+    ),
+    "ground forces of opensim": (
+        "grf.mot", "name grf.mot\ndatacolumns 4\nendheader\n"
+        "time\tR_ground_force_vy\tR_ground_force_px\tR_ground_torque_y\n", "{t}\t700\t0.25\t{w}",
+        {"r_ground_force_vy_N": 700.0, "r_ground_force_px_m": 0.25},
+    ),
+    "torques of opensim": (
+        "id.sto", "Inverse Dynamics Generalized Forces\nversion=1\ninDegrees=no\nendheader\n"
+        "time\tpelvis_tx_force\tknee_angle_r_moment\n", "{t}\t500\t-20",
+        {"pelvis_tx_force_N": 500.0, "knee_angle_r_moment_N_m": -20.0},
+    ),
+    "objects of vicon": (
+        "objects.csv", "Objects\n100\n,,Global Angle (Quaternion) cube:cube,,,,,,\n"
+        "Frame,Sub Frame,RX,RY,RZ,RW,TX,TY,TZ\n,,,,,,mm,mm,mm\n",
+        "{n},0,0,0,0,1,250,{w},3",
+        {"global_angle_quaternion_cube_cube_tx_m": 0.25,
+         "global_angle_quaternion_cube_cube_rw": 1.0},
+    ),
+    "counted channels of vicon": (
+        "emg.csv", "Devices\n100\n,,Analog EMG - Voltage,,Sensor 1\nFrame,Sub Frame,1,2,EMG1\n"
+        ",,V,V,V\n", "{n},0,0.5,{w},0.25", {"c_1_V": 0.5, "emg1_V": 0.25},
+    ),
+    "rigol without a unit of the time": (
+        "scope.csv", "X,CH 1 (V),CH 2 (V)\n", "{t},0.5,{w}", {"ch_1_V": 0.5},
+    ),
+    "settings of rigol above the header": (
+        "scope.csv", '"Pos (V) = ",0.2,-6\n"Maximum (V) = ",1.88,5.12\n"Inverted = ","NO","NO"\n'
+        '"Time (s)","Voltage (V)","Voltage (V)"\n', "{t},0.5,0.25",
+        {"voltage_V": 0.5, "voltage_2_V": 0.25},
+    ),
+    "remarks that end with a comma": (
+        "waveforms.csv", "#Digilent WaveForms Oscilloscope Acquisition,\n#Serial Number: SN:0,\n"
+        ",\nTime (s),Channel 1 (V)\n", "{t},0.5", {"channel_1_V": 0.5},
+    ),
+    "quaternions of x-io": (
+        "Quaternion.csv", "Timestamp (us),W,X,Y,Z\n", "{us},0.6,0,0.8,0", {"w": 0.6, "y": 0.8},
+    ),
     "arduino's stamps": (
         "monitor.txt", "09:41:06.990 -> force_N,angle_deg\n", "09:41:07.{h}0 -> 0.5,90",
         {"force_N": 0.5, "angle_rad": 90 * DEG},

@@ -10,7 +10,7 @@ import functools
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 from typing import Any, Literal
@@ -123,13 +123,13 @@ class Found:
     table: TableOf
     names: tuple[tuple[str, str], ...]
     rate_Hz: float | None = None
-    _quantities: Mapping[str, Quantity] = field(default_factory=dict)
 
     def finish(self, log: RawLog) -> None:
         """Says what the columns are, and tells what was recognised."""
         for column in (column for stream in log.streams for column in stream.columns):
-            meant = self._quantities.get(column.name)
+            meant = _quantity(self.table, column.name)
             if meant is not None:
+                column.defined = True
                 column.kind, column.frame = column.kind or meant.kind, column.frame or meant.frame
         text = f"recognised as {self.title} ({self.table.holds}), which defines the units"
         log.repairs.append(Repair("source", INFO, text))
@@ -201,7 +201,7 @@ def _found(title: str, table: TableOf, text: str, names: Sequence[tuple[str, str
         (name, of.get(quantities[name].unit, quantities[name].unit) if name in quantities else unit)
         for name, unit in names
     )
-    return Found(title, table, full, _positive(rate), quantities)
+    return Found(title, table, full, _positive(rate))
 
 
 def _quantity(table: TableOf, name: str) -> Quantity | None:

@@ -97,7 +97,7 @@ def conversion(
             work.fault(wrong, channel=column.name)
         several = units.ways(unit)
         return left_out(column, name, wrong, several[-1] if len(several) > 1 else "1")
-    wrong = "" if wish else quantity.contradiction(column.name, si_unit)
+    wrong = "" if wish or column.defined else quantity.contradiction(column.name, si_unit)
     if wrong:
         return left_out(column, name, wrong, unit)
     scale, sign = (wish.scale, wish.sign) if wish else (1.0, 1)

@@ -2,10 +2,14 @@
 
 Time;IMU Acceleration;;;IMU Gyroscope;;      ,,box:left,,,box:right,,
 s;X;Y;Z;X;Y;Z                                Frame,Sub Frame,X,Y,Z,X,Y,Z
+
+Frame#,Time,heel,,,toe,,
+,,X1,Y1,Z1,X2,Y2,Z2
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from simcompare.hardware.logs.text import cell as _cell
@@ -13,8 +17,8 @@ from simcompare.hardware.logs.text import cell as _cell
 #: lines above the names that may hold groups
 _LINES = 6
 _AXES = frozenset("xyzwXYZW") | {f"{letter}{axis}" for letter in "TRqQ" for axis in "XYZWxyzw"}
-
-
+#: axes of the markers of a file, which are counted
+_COUNTED = re.compile(r"[XYZ]\d+")
 #: cells that say what their line holds
 _WHAT = ("Type", "Name", "Parent")
 
@@ -54,16 +58,18 @@ def named(
 
 def _to_be_told_apart(names: Sequence[str]) -> bool:
     full = [name for name in names if name]
-    return len({*full}) < len(full) or sum(name in _AXES for name in full) >= min(2, len(full))
+    axes = sum(name in _AXES or bool(_COUNTED.fullmatch(name)) for name in full)
+    return len({*full}) < len(full) or axes >= min(2, len(full))
 
 
 def _is_id(text: str) -> bool:
-    """Whether a cell numbers something, in decimal or hexadecimal digits."""
-    bare = text.strip('"')
+    """Whether a cell numbers something, in decimal or hexadecimal digits, or names a setting."""
+    bare = text.strip('" ')
     try:
         int(bare, 16)
     except ValueError:
-        return bare == "ID"
+        is_number = bare and _cell.number(bare) is not None
+        return bool(is_number) or bare == "ID" or bare.endswith("=")
     return any(digit.isdigit() for digit in bare)
 
 

@@ -282,11 +282,13 @@ def _header(
 
 
 def _is_units_row(cells: Sequence[str], above: Sequence[str]) -> bool:
-    if any(kind_of(cell) == "number" for cell in [*cells, *above]):
+    # channels may be counted, as in Frame,Sub Frame,1,2 above ,,V,V
+    named = any(kind_of(cell) == "text" for cell in above)
+    if not named or any(kind_of(cell) == "number" for cell in cells):
         return False
     plain = [cell.strip() for cell in cells]
     bare = [text.strip("()[]{}<>") for text in plain]
-    bracketed = sum(text != b for text, b in zip(plain, bare, strict=True) if text)
+    bracketed = sum(text[0] in "([{<" for text in plain if text)
     known = sum(_cell.is_unit(text) for text in bare)
     full = sum(bool(text) for text in plain)
     return full > 0 and (bracketed == full or known == full)
