@@ -10,7 +10,8 @@ from simcompare.fitting.bounces.bounce_models import MODELS
 from simcompare.reports.fit import answer, fits, form_words, identifiability_words, short
 from simcompare.reports.fit.measured_figures import reason_of
 from simcompare.reports.validation import phrases
-from simcompare.results.records.fit_bounces import Drop, Rejected
+from simcompare.results.records.fit_bounces import Drop, Rejected, Valid
+from simcompare.results.records.fit_engines import Target
 from simcompare.results.records.fit_forms import AtSpeed, Candidate, Choice, Form, Unknown
 from simcompare.results.records.fit_parts import Value
 from simcompare.statistics.identifiability import Direction, Identifiability
@@ -288,3 +289,35 @@ def test_a_dependence_on_the_speed_is_told_only_where_it_is_seen(law, slope, wor
     told = fits.restitution_words(record)
     assert told.startswith(f"The restitution {words}0.800 ± 0.020 at 0.5 m/s")
     assert told.endswith("; no dependence on the speed is seen.") == (words == "is ")
+
+
+def averaged_record(disagree, **more):
+    height = unknown(0.856, 0.75, 0.92)
+    rows = {
+        "restitution": replace(unknown(0.78, 0.76, 0.80), interval="averaged"),
+        "drop_height_m": replace(height, interval="averaged"),
+    }
+    known = {
+        "closed_form": form(model="a", parameters=rows),
+        "choice": replace(choice(candidate("a", 0.0), candidate("b", 1.0)), disagree=disagree),
+        "sources": (SimpleNamespace(name="north", status="ok"),),
+        "tuned_to": Target(0.78, 0.01, 4.1), "valid": Valid((0.5, 4.1), 1e-3, 1e-3),
+    }  # fmt: skip
+    return SimpleNamespace(**(known | more))
+
+
+def test_where_models_disagree_every_number_that_they_share_is_a_range():
+    row = averaged_record(True).closed_form.parameters["drop_height_m"]
+    assert fits.told_95(averaged_record(True), row, "drop_height_m") == "0.75 to 0.92 m"
+    assert fits.told_95(averaged_record(False), row, "drop_height_m").startswith("0.86 m (")
+    # and the numbers that are typed in belong to one value between the models
+    _, engines = short._of_bounces(averaged_record(True))
+    assert engines.startswith("With the numbers below, north bounces with 0.78, the models' mean,")
+
+
+def test_engines_are_not_said_to_bounce_as_a_ball_for_which_none_can_be_tuned():
+    _, engines = short._of_bounces(averaged_record(False, tuned_to=Target(0.995, 1e-4, 4.1)))
+    assert engines == (
+        "Engines are tuned up to 0.99; this ball has 0.995 at the first impact, so none bounces as"
+        " it does."
+    )

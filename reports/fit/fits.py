@@ -22,6 +22,8 @@ from simcompare.results.run import Run
 Estimate = Value | Unknown | EngineParameter | EffectiveValue | AtSpeed
 Ranged = Unknown | EngineParameter | Repeats | AtSpeed
 CLOSED = "closed form"
+#: how an interval came about that is over all closed forms
+AVERAGED = "averaged"
 RESTITUTION, EXPONENT = "restitution", "exponent"
 #: kinds of measured numbers that are in seconds
 _TIMES = ("times", "intervals")
@@ -232,6 +234,14 @@ def with_95(row: Unknown | EngineParameter | AtSpeed, name: str = "") -> str:
     if abs(high + low - 2 * row.value) > _LOPSIDED * half:
         return f"{_places(row).text(row.value)}{after} ({interval_words(row)})"
     return f"{numbers.with_u(row.value, half)}{after}"
+
+
+def told_95(found: BouncesFit, row: Unknown, name: str = "") -> str:
+    """The same, but as a range where it is averaged over models that disagree."""
+    if not found.choice.disagree or row.interval != AVERAGED or row.value is None:
+        return with_95(row, name)
+    after = "" if not name or unit(name) == "1" else f" {unit(name)}"
+    return f"{interval_words(row)}{after}"
 
 
 def drop_title(run: Run, number: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from simcompare.engine.calibration.calibration import MAX_RESTITUTION
 from simcompare.notation import capital
 from simcompare.reports.fit import fits
 from simcompare.reports.fit.fits import RESTITUTION
@@ -90,10 +91,20 @@ def _engines(found: BouncesFit) -> str:
     if found.tuned_to is None:
         verb = "was" if len(good) == 1 else "were"
         return f"{engines_words(found.sources)} {verb} fitted, with our helps."
+    goal = found.tuned_to
+    if goal.restitution > MAX_RESTITUTION:
+        return (
+            f"Engines are tuned up to {MAX_RESTITUTION:g}; this ball has"
+            f" {numbers.plain(goal.restitution, 4)} at the first impact, so none bounces as it"
+            " does."
+        )
     verb = "bounces" if len(good) == 1 else "bounce"
+    so = "so"
+    if found.choice.disagree:
+        so = f"with {numbers.plain(goal.restitution, 3)}, the models' mean,"
     return (
-        f"With the numbers below, {engines_words(found.sources)} {verb} so at the first impact"
-        f" ({numbers.plain(found.tuned_to.speed_m_s, 3)} m/s), at a step of"
+        f"With the numbers below, {engines_words(found.sources)} {verb} {so} at the first impact"
+        f" ({numbers.plain(goal.speed_m_s, 3)} m/s), at a step of"
         f" {numbers.plain(1e3 * found.valid.engine_step_s, 4)} ms."
     )
 
@@ -102,7 +113,7 @@ def _numbers_of_bounces(found: BouncesFit) -> tuple[KeyNumber, ...]:
     closed = found.closed_form.parameters
     first = [key_number(*fits.restitution_of_first(found), "1")] if RESTITUTION in closed else []
     heights = [(name, row) for name, row in closed.items() if name.startswith("drop_height_m")][:1]
-    known = [key_number(fits.titles(found)[name], fits.with_95(row), fits.unit(name))
+    known = [key_number(fits.titles(found)[name], fits.told_95(found, row), fits.unit(name))
              for name, row in heights]  # fmt: skip
     return (*first, *known, _used(found), _fitted(found.sources))
 

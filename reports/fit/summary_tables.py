@@ -32,7 +32,7 @@ def found(run: Run) -> Table | None:
 def _of_bounces(record: BouncesFit) -> list[tuple[str, ...]]:
     form = record.closed_form
     rows: list[tuple[str, ...]] = [
-        (fits.titles(record)[name], fits.with_95(row, name), fits.how(form, name))
+        (fits.titles(record)[name], fits.told_95(record, row, name), fits.how(form, name))
         for name, row in {**form.found, **form.parameters}.items()
     ]  # fmt: skip
     for name, value in form.fixed.items():
