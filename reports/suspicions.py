@@ -30,7 +30,7 @@ def of_range(found: Suspicion) -> str:
 def _told(found: Suspicion, what: str, before: str, after: str) -> str:
     alike = f" (or as well {' or '.join(found.also)})" if found.also else ""
     return (
-        f"A mistake in what is said of the recording is suspected: the {what} is off by {before},"
-        f" and with {' and '.join(found.says)}{alike} by {after}. Nothing was changed; to try it,"
-        f" {' and '.join(found.cures)}."
+        f"A mistake in what is said of the recording is suspected: the {what} is off by {before}."
+        f" With {' and '.join(found.says)}{alike} it is off by {after}. Nothing was changed; to"
+        f" try it, {' and '.join(found.cures)}."
     )

@@ -56,10 +56,20 @@ def test_a_log_that_is_as_it_says_is_not_suspected(imported):
 @pytest.mark.parametrize(
     ("exchanged", "track_m", "says", "other"),
     [
-        (True, TRACK_M, "exchange the columns of l and r in the mapping file", "track_m: "),
-        (False, TRACK_M / 2, "write track_m: 0.16 under drive: in the mapping file", "exchange"),
+        (
+            True,
+            TRACK_M,
+            "exchange the columns of l and r in a mapping file of your",
+            "track_m: ",
+        ),
+        (
+            False,
+            TRACK_M / 2,
+            "write track_m: 0.16 under drive: in a mapping file",
+            "exchange",
+        ),
         (True, TRACK_M / 2, "exchange the columns of l and r and write track_m: 0.16", "half"),
-        (False, TRACK_M * 2, "with half the track, 0.16 m, by", "exchange"),
+        (False, TRACK_M * 2, "With half the track, 0.16 m, it", "exchange"),
     ],
 )
 def test_what_fits_better_is_told_with_its_numbers(imported, exchanged, track_m, says, other):
@@ -70,6 +80,7 @@ def test_what_fits_better_is_told_with_its_numbers(imported, exchanged, track_m,
     assert found.before["rms_m"] > 0.02 * 9
     assert found.after["rms_m"] < 0.05
     assert "Nothing was changed" in found.text
+    assert max(len(one.split()) for one in found.text.split(". ")) <= 35
 
 
 def test_nothing_is_changed(imported):

@@ -175,7 +175,7 @@ def test_recordings_that_are_as_they_say_are_not_suspected():
 
 def test_a_heading_that_is_half_a_turn_off_is_suspected_and_the_cure_works():
     (told,) = told_of("odometry_plaza", start_heading_rad=1.0808)
-    assert "with the heading turned by half a turn" in told
+    assert "With the heading turned by half a turn" in told
     assert "Nothing was changed" in told
     name, value = told.split("--option ")[1].rstrip(".").split("=")
     assert told_of("odometry_plaza", **{name: float(value)}) == []

@@ -96,7 +96,7 @@ def test_a_validation_tells_it(tmp_path):
     assert record.suspected is not None
     (told,) = [one for one in record.sentences if "suspected" in one]
     # a pendulum that is driven the other way round is the same
-    assert "with the sign of angle reversed (or as well the sign of torque reversed) by" in told
+    assert "With the sign of angle reversed (or as well the sign of torque reversed) it is" in told
     assert "Nothing was changed; to try it, write sign: -1 for the channel angle" in told
 
 

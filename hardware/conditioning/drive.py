@@ -104,10 +104,10 @@ def suspicion(drive: Drive, found: Suspicion, place: Array) -> str:
     """What was found, in words, and how the log is read so."""
     length_m = float(np.hypot(*np.diff(place, axis=0).T).sum())
     return (
-        f"dead reckoning with left, right and the track of {drive.track_m:.4g} m as given misses"
-        f" the truth by {found.before:.2g} m rms over {length_m:.3g} m, after the best turn and"
-        f" shift; with {' and '.join(found.says)} by {found.after:.2g} m. Nothing was changed; to"
-        f" read it so, {' and '.join(found.cures)} in the mapping file"
+        f"dead reckoning with the track of {drive.track_m:.4g} m misses the truth by"
+        f" {found.before:.2g} m rms over {length_m:.3g} m, after the best turn and shift. With"
+        f" {' and '.join(found.says)} it misses it by {found.after:.2g} m. Nothing was changed; to"
+        f" read it so, {' and '.join(found.cures)} in a mapping file of your own"
     )
 
 
