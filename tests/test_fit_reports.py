@@ -290,6 +290,24 @@ def test_a_fit_for_plain_loops_leads_with_what_to_type_in(tuned, tmp_path):
         assert f"### {head}" in text
 
 
+def test_what_was_assumed_stands_near_the_top(tuned):
+    (block,) = builder.blocks_of([tuned])
+    first = block.parts[0]
+    (table,) = [one for one in first.tables if one.title == "What was found, assumed and given"]
+    assert not table.folded
+    rows = {row[0]: row[2] for row in cells(table)}
+    assert rows["gravity"] == "assumed"
+    assert rows["restitution"] == "fitted"
+
+
+def test_the_mean_of_the_closed_form_has_its_uncertainty(tuned):
+    record = tuned.record.fit
+    told = cells(fitted_tuned.typed(tuned))[0][3]
+    assert told == numbers.with_u(record.tuned_mean, record.u_tuned_mean)
+    # one law for all speeds: the mean is as well known as the restitution
+    assert record.u_tuned_mean == pytest.approx(record.closed_form.parameters["restitution"].u)
+
+
 def test_each_impact_in_a_plain_loop_is_drawn_beside_the_closed_form(tuned):
     figure = fitted_tuned.impacts_figure(tuned)
     off, late = figure.panels
@@ -361,6 +379,10 @@ def test_engines_without_the_law_have_one_number_and_nothing_else_of_their_own(f
     (words,) = engine_words.one_number(record)
     assert "one number for all speeds" in words
     assert words in record.sentences
+    # it stands under the table of engines, and once
+    assert words in tables.engines(falling).note
+    (block,) = builder.blocks_of([falling])
+    assert words not in block.parts[0].answer
     rows = cells(tables.engines(falling))
     assert rows[0][1] == numbers.with_u(record.one_number.value, record.one_number.u)
     laws = [end.value for end in record.closed_form.restitution]

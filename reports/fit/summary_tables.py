@@ -11,6 +11,8 @@ from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_tosses import TossFit
 from simcompare.results.run import Run
 
+#: what is above the table of a report
+_FOUND = "What was found, assumed and given"
 #: significant digits of a number that is typed in; more than its uncertainty knows
 _DIGITS = 7
 
@@ -26,7 +28,7 @@ def found(run: Run) -> Table | None:
         closed = record.closed_form.parameters
         rows = [(fits.title(name), fits.of_95(row, name), "fitted") for name, row in closed.items()]
     columns = (Column("Parameter", text=True), Column("Value ± 95 %"), Column("How", text=True))
-    return Table("", columns, (Group("", tuple(rows)),))
+    return Table(_FOUND, columns, (Group("", tuple(rows)),))
 
 
 def _of_bounces(record: BouncesFit) -> list[tuple[str, ...]]:

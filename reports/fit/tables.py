@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from simcompare import glossary
-from simcompare.reports.fit import fits
+from simcompare.reports.fit import engine_words, fits
 from simcompare.reports.fit.fits import CLOSED, RESTITUTION
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, scale_of
@@ -43,6 +43,7 @@ def engines(run: Run) -> Table:
         "Effective: what the engine then shows. Its u holds the measurement, the phase of the step,"
         " and how the engine's restitution changes from impact to impact."
     )
+    note = " ".join((*engine_words.one_number(fits.bounces(run)), note))
     return Table("Restitution of each engine", columns, (Group("", tuple(rows)),), note)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.reports.fit import fits
+from simcompare.reports.fit import engine_words, fits
 from simcompare.reports.fit.fits import CLOSED
 from simcompare.reports.render import numbers
 from simcompare.reports.render.figures import Figure, Panel, Series, spread
@@ -24,8 +24,9 @@ def typed(run: Run) -> Table:
     goal, mean = record.tuned_to, record.tuned_mean
     assert goal is not None
     rows: list[tuple[str, ...]] = [
-        (CLOSED, "–", numbers.with_u(goal.restitution, goal.u), numbers.plain(mean), "–")
-    ]
+        (CLOSED, "–", numbers.with_u(goal.restitution, goal.u),
+         numbers.with_u(mean, record.u_tuned_mean), "–")
+    ]  # fmt: skip
     for source in fits.engines(run):
         first, effective = source.impacts[0], source.effective["restitution"]
         cells = (
@@ -47,6 +48,7 @@ def typed(run: Run) -> Table:
         f" may be off. With all digits: simcompare export {run.record.scenario_asked} --fit …"
         " --contact-values."
     )
+    note = " ".join((*engine_words.one_number(record), note))
     return Table("What to type into your own loop", columns, (Group("", tuple(rows)),), note)
 
 

@@ -12,6 +12,7 @@ from simcompare.reports.fit import (
     measured_tables,
     more_figures,
     short,
+    summary_tables,
     tuned,
 )
 from simcompare.reports.fit import figures as fitted_figures
@@ -31,10 +32,13 @@ def answer(run: Run) -> Part:
     first, *others = measured_figures.measured_figures(run)
     drops = tuple(figure for figure in others if figure is not None)
     table = tuned.typed if fits.bounces(run).is_tuned else fitted_tables.engines
+    under_table = engine_words.one_number(fits.bounces(run))
     part = part_of(
         "Answer", "answer", [first, measured_figures.simulated_figure(run)],
-        [table(run), measured_tables.left_out(run), fitted_tables.failed(run)],
-        answer=short.others(run, fits.bounces(run).sentences),
+        [table(run), summary_tables.found(run), measured_tables.left_out(run),
+         fitted_tables.failed(run)],
+        answer=[text for text in short.others(run, fits.bounces(run).sentences)
+                if text not in under_table],
     )  # fmt: skip
     folded = Part("The other drops", figures=drops, folded=True)
     return replace(part, short=short.short(run), key_numbers=short.key_numbers(run),
@@ -59,11 +63,9 @@ def engines(run: Run) -> Part:
             tables=[tuned.contacts(run), tuned.impacts(run), native],
             finding="",
         )
-    bounces, figures = fits.bounces(run), [fitted_figures.parameter_figure(run)]
+    figures = [fitted_figures.parameter_figure(run)]
     tables = [fitted_tables.parameters(run), native]
-    return part_of(
-        "Each engine", "engines", figures, tables, [_TWO_THINGS, *engine_words.one_number(bounces)]
-    )
+    return part_of("Each engine", "engines", figures, tables, [_TWO_THINGS])
 
 
 def forms(run: Run) -> Part:

@@ -46,8 +46,12 @@ def show(result: Run, written: Path | None) -> None:
     """Prints the answer in short, what was found, and what each engine must be given."""
     found = fits.of_any(result)
     console.print_wrapped(short.short(result))
-    _show(summary_tables.found(result))
-    _show(summary_tables.given(result))
+    for table in (summary_tables.found(result), summary_tables.given(result)):
+        if table is not None:
+            typer.echo()
+            console.show_table(table)
+    if isinstance(found, BouncesFit):
+        console.print_wrapped(engine_words.one_number(found))
     typer.echo()
     console.print_wrapped(glossary.legend(_words(found)))
     _show_remarks(found)
@@ -99,7 +103,6 @@ def _remarks(found: AnyFit) -> Iterator[str]:
     if isinstance(found, BouncesFit):
         yield from found.dropped
         yield from found.closed_form.warnings
-        yield from engine_words.one_number(found)
         yield from (found.identifiability.words if _is_weak(found) else ())
     elif isinstance(found, WaveformFit):
         yield from found.chosen_words

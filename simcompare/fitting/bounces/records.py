@@ -103,7 +103,8 @@ def of_fit(
         law=plot_data.law_of(best, told), ratios=plot_data.measured_ratios(best),
         profiles=plot_data.profiles_of(best),
         one_number=_one_number(best, plain),
-        tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources), sources=sources,
+        tuned_to=_target(made.goal), tuned_mean=_tuned_mean(sources),
+        u_tuned_mean=_u_tuned_mean(sources, told), sources=sources,
         run_with=_run_with(roles, plain.fit, engines), holdout=predicted,
         budgets=budgets(choice, told),
         other_estimates=tuple(other_estimates.of_drops(drops[0])),
@@ -297,6 +298,12 @@ def _tuned_mean(sources: Sequence[BouncesEngine]) -> float | None:
     """The closed form's mean restitution over the impacts that an engine resolves most of."""
     most = max((source.impacts for source in sources), key=len, default=())
     return sum(row.closed_form for row in most) / len(most) if most else None
+
+
+def _u_tuned_mean(sources: Sequence[BouncesEngine], told: Averaged) -> float | None:
+    """Its standard uncertainty; the impacts share their errors, so theirs is not divided."""
+    most = max((source.impacts for source in sources), key=len, default=())
+    return sum(told.restitution_at(row.speed_m_s)[1] for row in most) / len(most) if most else None
 
 
 def _run_with(roles: Roles, start: Fit, engines: Sequence[EngineFit]) -> RunWith:

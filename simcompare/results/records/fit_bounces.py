@@ -119,6 +119,7 @@ class BouncesFit(AnyKind):
             does not. All else that they are given is the closed form's.
         tuned_to: the impact to which engines were tuned.
         tuned_mean: mean restitution of the closed form over the impacts that engines resolve.
+        u_tuned_mean: its standard uncertainty, as if those of the impacts were one error.
         sources: the engines.
         run_with: with what a run repeats the fit.
         holdout: what is predicted of the drops that were not fitted.
@@ -143,6 +144,7 @@ class BouncesFit(AnyKind):
     one_number: OneRestitution | None = None
     tuned_to: Target | None
     tuned_mean: float | None
+    u_tuned_mean: float | None = None
     sources: tuple[BouncesEngine, ...]
     run_with: RunWith
     holdout: Holdout
