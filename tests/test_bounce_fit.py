@@ -291,7 +291,7 @@ def test_too_few_bounces_are_refused_in_words_and_a_known_height_helps():
 
 
 def test_unknown_noise_with_nothing_left_to_tell_it_is_refused():
-    with pytest.raises(InputError, match="without a stated uncertainty leave nothing"):
+    with pytest.raises(InputError, match="nothing tells the scatter of 3 measured numbers"):
         fit(from_times(times_of(count=3))[0])
 
 

@@ -91,7 +91,7 @@ def test_flights_that_become_longer_are_none_of_a_ball(tmp_path):
 @pytest.mark.parametrize("u_s", [10.0, 1e9])
 def test_without_any_information_there_is_no_number(drop, u_s):
     (fault,) = faults_of(drop, u_time_s=u_s)
-    assert "the data tell no restitution: its uncertainty would be" in fault
+    assert "the measured numbers tell nothing of restitution" in fault
     assert "--u-time" in fault
 
 
@@ -118,3 +118,41 @@ def test_a_track_in_which_nothing_moves_says_so(tmp_path):
     path.write_text(f"t (s),y (m)\n{rows}", encoding="utf-8")
     (fault,) = faults_of(path)
     assert "is 0.5 m in all samples, so nothing moves in it" in fault
+
+
+# ---- few bounces --------------------------------------------------------------------------------
+
+
+def test_too_few_bounces_are_one_fault_with_advice_that_works(tmp_path):
+    path = table(tmp_path / "two.csv", (1.0, 1.63), "number,impact_time (s)")
+    (fault,) = faults_of(path)
+    assert "2 measured numbers and 0 priors cannot give 3 unknowns" in fault
+    assert "record 2 more bounces at least, or measure the drop height" in fault
+    assert "--fix drop_height=0.8m and state the uncertainty, such as --u-time 1ms" in fault
+    found = fitted(path, fixed={"drop_height": "0.8m"}, u_time_s=1e-3)
+    assert found.record.fit.sources[0].status == "ok"
+
+
+def test_one_rebound_is_told_from_the_drop_height_in_a_row_or_a_line(tmp_path):
+    path = tmp_path / "one.csv"
+    rows = "number,rebound_height (m),u_rebound_height (m)\n1,0.49,0.002\n"
+    path.write_text(rows, encoding="utf-8")
+    (fault,) = faults_of(path)
+    assert "# drop_height: 0.8 m" in fault
+    path.write_text(f"# drop_height: 0.8 m\n{rows}", encoding="utf-8")
+    assert fitted(path).record.fit.sources[0].status == "ok"
+
+
+@pytest.mark.parametrize("model", ["auto", "constant"])
+def test_an_exact_height_tells_no_scatter(tmp_path, model):
+    path = tmp_path / "heights.csv"
+    path.write_text("number,rebound_height (m)\n0,0.80\n1,0.49\n", encoding="utf-8")
+    (fault,) = faults_of(path, fixed={"drop_height": "0.8m"}, model=model)
+    assert "nothing tells the scatter of 1 measured number without" in fault
+    assert "in a column u_rebound_height" in fault
+    (fault,) = faults_of(path, fixed={"drop_height": "0.5m"}, model=model)
+    assert "the drop height is 0.8 m in the recording, but fixed at 0.5 m" in fault
+
+
+def test_what_is_sought_anyway_may_be_named(drop):
+    assert "restitution" in fitted(drop, unknowns="restitution").record.fit.closed_form.parameters

@@ -212,7 +212,7 @@ def test_a_rise_without_a_stated_uncertainty_is_told_and_kept(drop_in):
 
 
 def test_one_interval_cannot_tell_two_unknowns(drop_in):
-    with pytest.raises(InputError, match="1 measured numbers and 0 priors cannot give 2 unknowns"):
+    with pytest.raises(InputError, match="1 measured number and 0 priors cannot give 2 unknowns"):
         fit(drop_in("bounce,interval_s\n1,0.5\n"), "constant")
 
 

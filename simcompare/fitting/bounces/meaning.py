@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.fitting.bounces.averaging import averaged
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.model_selection import Choice
 from simcompare.fitting.bounces.roles import Roles
 from simcompare.fitting.bounces.unknowns import base
-
-#: standard uncertainty of a number of which nothing is known but that it is between 0 and 1
-_NOTHING_KNOWN = 1 / math.sqrt(12)
 
 
 def check(choice: Choice, roles: Roles) -> None:
@@ -24,31 +16,19 @@ def check(choice: Choice, roles: Roles) -> None:
     sources = ", ".join(dict.fromkeys(drop.source for drop in best.problem.drops if drop.source))
     faults = _heights(best, roles)
     is_far = any(base(name) == "drop_height_m" for name in best.at_bound)
-    if not (is_far and faults):
-        none = _restitution(choice)
-        faults = [none] if none else faults
+    if "restitution" in best.at_bound and not (is_far and faults):
+        faults = [_no_restitution(best)]
     if faults:
         raise InputError(sources or "fit", faults)
 
 
-def _restitution(choice: Choice) -> str:
-    best = choice.best
-    if "restitution" in best.at_bound:
-        value = best.as_dict()["restitution"]
-        seen = "do not become lower" if value > 0.5 else "end at once"
-        return (
-            f"the data tell no restitution: the bounces {seen}, which would be a restitution of"
-            f" {value:.2g} or beyond; look whether the rows are in order, and what was recorded"
-        )
-    with np.errstate(all="ignore"):  # of nonsense nothing has to be finite
-        value, u, *_ = averaged(choice).restitution_at(best.speeds_m_s[1])
-    if not math.isfinite(u) or u > _NOTHING_KNOWN or not 0 < value < 1:
-        return (
-            f"the data tell no restitution: its uncertainty would be {u:.2g}, and any number"
-            f" between 0 and 1 is known to {_NOTHING_KNOWN:.2g}; state smaller uncertainties"
-            " (--u-time, or the u_ column of a table) if they hold, or record more exactly"
-        )
-    return ""
+def _no_restitution(best: Fit) -> str:
+    value = best.as_dict()["restitution"]
+    seen = "do not become lower" if value > 0.5 else "end at once"
+    return (
+        f"the data tell no restitution: the bounces {seen}, which would be a restitution of"
+        f" {value:.2g} or beyond; look whether the rows are in order, and what was recorded"
+    )
 
 
 def _heights(best: Fit, roles: Roles) -> list[str]:

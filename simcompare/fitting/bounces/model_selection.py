@@ -124,7 +124,9 @@ def compare(
         except InputError as error:
             refused[name] = "; ".join(error.faults)
     if not fits:
-        raise InputError("fit", list(dict.fromkeys(refused.values())))
+        # what the form with the fewest unknowns needs, all others need too
+        sources = ", ".join(dict.fromkeys(drop.source for drop in every if drop.source))
+        raise InputError(sources or "fit", [next(iter(refused.values()))])
     scatter, dof = _scatter(list(fits.values()))
     candidates = _weighed([_candidate(name, one, scatter, dof) for name, one in fits.items()])
     best = candidates[0]
@@ -139,7 +141,7 @@ def compare(
 
 
 def _usual(drops: Sequence[Impacts], model: Model, extra: Sequence[str]) -> list[str]:
-    return [*usual(drops, model), *extra]
+    return list(dict.fromkeys((*usual(drops, model), *extra)))
 
 
 def _told_apart(found: Fit) -> Fit:
@@ -151,8 +153,11 @@ def _told_apart(found: Fit) -> Fit:
     u = dict(zip(found.names, np.sqrt(np.diag(found.internal_covariance)), strict=True))
     wild = [n for n in found.found if COVERAGE * u[n] > _WIDEST.get(base(n), math.inf)]
     if wild:
-        raise InputError("fit", [f"the measured numbers tell nothing of {name}; correct what is"
-                                 " fixed, or give a prior" for name in wild])  # fmt: skip
+        raise InputError("fit", [
+            f"the measured numbers tell nothing of {' and '.join(wild)}; correct what is fixed,"
+            " state smaller uncertainties where they hold (--u-time, or the u_ column of a table),"
+            " or give a prior"
+        ])  # fmt: skip
     problem = found.problem
     jacobian = least_squares.jacobian_of(problem.residuals, found.x[None, :], problem.size)[0]
     known = identifiability(found.names, jacobian)

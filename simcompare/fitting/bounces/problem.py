@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import bounce_models
+from simcompare.fitting.bounces import bounce_models, enough
 from simcompare.fitting.bounces.bounce_models import DEFAULTS, Model
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.unknowns import (
@@ -192,8 +192,9 @@ def build(
     Raises:
         InputError: every fault of the request.
     """
-    chosen = [SPEED if n == "terminal_speed" else n for n in unknowns or usual(drops, model)]
     fixed, priors = dict(fixed or {}), dict(priors or {})
+    drops = [enough.without_exact(drop, fixed) for drop in drops]
+    chosen = [SPEED if n == "terminal_speed" else n for n in unknowns or usual(drops, model)]
     if unknowns is None:
         chosen = [name for name in chosen if name not in fixed]
     found = faults(chosen, fixed, priors)
@@ -205,16 +206,8 @@ def build(
     spread_priors = {n: p for name, p in priors.items() for n in _numbered(name, drops)}
     spread_priors = {n: p for n, p in spread_priors.items() if n in names}
     stated = sum(name in sought for name in spread_priors)
-    if not found and rows + stated < len(sought):
-        found.append(
-            f"{rows} measured numbers and {stated} priors cannot give {len(sought)}"
-            f" unknowns ({', '.join(sought)}); record more bounces, fix some or give priors"
-        )
-    elif not found and not known and rows + stated == len(sought):
-        found.append(
-            f"{rows} measured numbers without a stated uncertainty leave nothing that tells their"
-            f" scatter when {len(sought)} unknowns are fitted; state the uncertainty or record more"
-        )
+    if not found:
+        found += enough.faults(drops, sought, rows, stated, known=known)
     if found:
         raise InputError("fit", found)
     return Problem(model, tuple(drops), tuple(names), fixed, spread_priors, tuple(blocks), known)

@@ -192,8 +192,9 @@ def from_rebounds(
                for n, h in zip(which, heights, strict=True) if not h > 0]  # fmt: skip
     higher, notes = _rising(which, heights, u, "rebound", "m", "is higher than")
     if len(heights) < 2:
-        faults.append(f"{len(heights)} height; two at least tell a restitution: give the drop"
-                      " height with its uncertainty, or more rebounds")  # fmt: skip
+        faults.append(f"{len(heights)} height; two at least tell a restitution: add the drop height"
+                      " as a row of number 0, or as a line such as # drop_height: 0.8 m above the"
+                      " headings")  # fmt: skip
     if faults or higher:
         raise InputError(source or "rebound heights", [*faults, *higher])
     return Impacts(kind=TABLE, source=source, heights_m=heights, u_heights_m=u, notes=tuple(notes),
