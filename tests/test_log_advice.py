@@ -31,6 +31,13 @@ CLOSED = {
     "row numbers alone": table("what,u (V)", NUMBERS, SWING),
     "a position that increases": table("place (m),u (V)", SECONDS, SWING),
     "two times that differ": table("time,timestamp,u (V)", SECONDS, 1.3 * SECONDS**2, SWING),
+    "no header": "".join(f"{t:.2f} {x:.5f}\n" for t, x in zip(SECONDS, SWING, strict=True)),
+    "numbers alone": "".join(f"{x:.5f}\n" for x in SWING),
+    "milliseconds and counts": table("time,left,right", 10 * NUMBERS, SWING, SWING),
+    "names alone": table("t (s)," + ",".join(f"q{k}_" for k in range(12)), SECONDS, *[SWING] * 12),
+    "no header, many columns": "".join(
+        f"{t:.2f} " + f"{x:.5f} " * 12 + "\n" for t, x in zip(SECONDS, SWING, strict=True)
+    ),
     "times without unit": table("t,u (V)", 10 * NUMBERS, SWING),
     "seconds that are milliseconds": table("t (s),u (V)", 5000 * NUMBERS, SWING),
     "a time that stands still": table("t (s),u (V)", 0 * NUMBERS, SWING),
@@ -49,7 +56,8 @@ CLOSED = {
         1 + 0 * SECONDS,
     ),
 }  # fmt: skip
-LINE = re.compile(r"((?:time|channels): \{(?:[^{}]|\{[^{}]*\})*\})")
+_MAP = r"(?:time|channels): \{(?:[^{}]|\{[^{}]*\})*\}"
+LINE = re.compile(rf"(\{{{_MAP}, {_MAP}\}}|{_MAP})")
 
 
 @pytest.mark.parametrize("name", CLOSED)

@@ -84,7 +84,7 @@ def condition(
     wanted = _wanted(raw, mapping, about.file)
     works = [_checked(stream, mapping, assume_units) for stream in wanted]
     repairs = [*raw.repairs, *(repair for work in works for repair in work.repairs)]
-    faults = [fault for work in works for fault in work.faults]
+    faults = [fault for work in works if work.faults for fault in naming.all_faults(work)]
     faults += naming.unused(mapping, wanted)
     if about.mode == "strict":
         faults += [refused(repair) for repair in repairs if repair.severity != INFO]
@@ -93,9 +93,7 @@ def condition(
     ]
     streams = {}
     for work in works:
-        if work.faults:
-            faults += naming.unit_faults(work)
-        else:
+        if not work.faults:
             made = _stream(work, conversions)
             faults += work.faults  # such as a unit of the mapping that is none
             if made.channels or not work.data:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
+
+import yaml
 
 from simcompare import units
 from simcompare.hardware.mapping import PRISMATIC, REVOLUTE
@@ -58,18 +61,42 @@ def refused(conversions: Iterable[Conversion]) -> list[str]:
     return told(cures) + ([_TEMPLATE] if many else [])
 
 
+#: what a fault says to write into a mapping file about the time
+_TIME_LINE = re.compile(r'time: \{(?:[^{}"]|"(?:\\.|[^"\\])*")*\}$')
+
+
+def with_channels(fault: str, conversions: Iterable[Conversion]) -> str:
+    """A fault of the time, so that its line opens a log in which no unit is known.
+
+    Args:
+        fault: its text.
+        conversions: of all columns of the stream.
+    """
+    line = _TIME_LINE.search(fault)
+    if line is None:
+        return fault
+    time = yaml.safe_load(line[0])["time"].get("column")
+    others = [one for one in conversions if one.raw != time]
+    cures = list(dict.fromkeys(one.cure for one in others if one.cure.startswith("channels")))
+    if not cures or any(one.channel for one in others):
+        return fault
+    more = f"; {_TEMPLATE}" if len(cures) > _SHOWN else ""
+    head = fault[: line.start()].rstrip(": ")
+    plain = "where no unit is known, unit: 1 keeps a plain number"
+    return f"{head}; {plain}{more}: {{{line[0]}, {_joined(cures[:_SHOWN])}}}"
+
+
 def _told(reason: str, columns: dict[str, str]) -> str:
     shown = ", ".join(map(repr, [*columns][:_SHOWN])) + (" …" if len(columns) > _SHOWN else "")
     cures = [cure for cure in dict.fromkeys(columns.values()) if cure]
     if not cures:
         return f"{shown}: {reason}"
-    if len(cures) > _SHOWN:
-        return f"{shown}: {reason}; {_TEMPLATE}"
     plain = " as a plain number, or with the unit that you write" if PLAIN in cures[0] else ""
     them = "it" if len(columns) == 1 else "them"
+    them = f"the first {_SHOWN}" if len(cures) > _SHOWN else them
     return (
         f"{shown}: {reason}. This line in a mapping file (--map) keeps {them}{plain}"
-        f"; cure: {_joined(cures)}"
+        f"; cure: {_joined(cures[:_SHOWN])}"
     )
 
 

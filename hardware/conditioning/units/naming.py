@@ -12,7 +12,7 @@ from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware import proposed_time
 from simcompare.hardware.conditioning.units import quantity
-from simcompare.hardware.conditioning.units.left_out import UNKNOWN, left_out
+from simcompare.hardware.conditioning.units.left_out import UNKNOWN, left_out, with_channels
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap, Mapping
 from simcompare.hardware.raw import RawColumn, RawStream
@@ -128,13 +128,14 @@ def _odd_unit(name: str) -> str:
     return "" if units.is_written(odd) else odd  # a letter that counts, as in (A) beside (B)
 
 
-def unit_faults(work: Work) -> list[str]:
-    """Faults of names and units of a stream that is refused for other reasons already."""
-    before = len(work.faults)
-    for column in work.data:
-        for wish, name in channels_of(work, column):
-            conversion(work, column, wish, name)
-    return [fault for fault in work.faults[before:] if fault not in work.faults[:before]]
+def all_faults(work: Work) -> list[str]:
+    """Those of a stream that is refused, with the faults of its names and units."""
+    made = [
+        conversion(work, column, wish, name)
+        for column in work.data
+        for wish, name in channels_of(work, column)
+    ]
+    return list(dict.fromkeys(with_channels(fault, made) for fault in work.faults))
 
 
 def unused(mapping: Mapping, streams: Sequence[RawStream]) -> list[str]:
