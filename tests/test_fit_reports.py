@@ -300,6 +300,11 @@ def test_what_was_assumed_stands_near_the_top(tuned):
     assert rows["restitution"] == "fitted"
 
 
+def test_a_drop_has_one_height_wherever_it_is_told(in_air):
+    told = in_air.record.fit.closed_form.parameters["drop_height_m"].value
+    assert in_air.record.parameters["drop_height_m"] == told
+
+
 def test_the_mean_of_the_closed_form_has_its_uncertainty(tuned):
     record = tuned.record.fit
     told = cells(fitted_tuned.typed(tuned))[0][3]

@@ -159,7 +159,7 @@ def _scene(result: Run, found: AnyFit) -> str:
     assert result.folder is not None
     file = catalogue.load(str(result.record.scenario_asked))
     heights = fit_file.read(result.folder / fit_file.FILE).drop(file)
-    return "".join(f" --set {name}={value:.6g}" for name, value in heights.items())
+    return "".join(f" --set {name}={value!r}" for name, value in heights.items())
 
 
 def _has_scripts(engine: str) -> bool:

@@ -40,7 +40,7 @@ from simcompare.fitting.bounces.request import (
 from simcompare.fitting.bounces.roles import Roles, roles_of
 from simcompare.fitting.bounces.tune_engines import tune_engines
 from simcompare.fitting.bounces.tuning_goal import TuningGoal, goal_of
-from simcompare.fitting.bounces.unknowns import GRAVITY
+from simcompare.fitting.bounces.unknowns import GRAVITY, base
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED
 from simcompare.model.trajectory import TRUTH, Trajectory
@@ -61,6 +61,8 @@ from simcompare.verbs import levels
 from simcompare.verbs.request import FitRequest
 from simcompare.verbs.result import Result
 
+#: the unknown that a scene has as its drop
+DROP_HEIGHT = "drop_height_m"
 #: what measured signals are stored under
 MEASURED = "measured"
 
@@ -122,6 +124,11 @@ def fit_bounces(
         roles, choice, plain, found, predicted, (drops, held),
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
+    height = next((row.value for name, row in found_fit.closed_form.parameters.items()
+                   if base(name) == DROP_HEIGHT), None)  # fmt: skip
+    if height is not None:  # the height that is told, in the head as well
+        values = {**roles.values(start.problem.values(start.x, 0)), roles.height: height}
+        scene = file.resolve(values, step_s=step_s)
     about = {
         "engines_asked": request.engine, "scenario_asked": request.scenario,
         "recording_asked": tuple(map(str, request.recordings)), "command": request.command(),
