@@ -7,11 +7,18 @@ from types import SimpleNamespace
 import pytest
 
 from simcompare.fitting.bounces.bounce_models import MODELS
-from simcompare.reports.fit import answer, fits, form_words, identifiability_words, short
+from simcompare.reports.fit import (
+    answer,
+    engine_words,
+    fits,
+    form_words,
+    identifiability_words,
+    short,
+)
 from simcompare.reports.fit.measured_figures import reason_of
 from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_bounces import Drop, Rejected, Valid
-from simcompare.results.records.fit_engines import Target
+from simcompare.results.records.fit_engines import OneRestitution, Target
 from simcompare.results.records.fit_forms import AtSpeed, Candidate, Choice, Form, Unknown
 from simcompare.results.records.fit_parts import Value
 from simcompare.statistics.identifiability import Direction, Identifiability
@@ -286,6 +293,9 @@ def test_a_dependence_on_the_speed_is_told_only_where_it_is_seen(law, slope, wor
         closed_form=form(model="m", parameters=rows, restitution=ends),
         choice=choice(replace(candidate("m", 0.0, law=law), weight=1.0)),
     )
+    record.one_number, record.is_tuned = OneRestitution(0.79, 0.01, 0.01, 0.02), True
+    # what engines lack is told only where the ball has it
+    assert bool(engine_words.one_number(record)) == (words != "is ")
     told = fits.restitution_words(record)
     assert told.startswith(f"The restitution {words}0.800 ± 0.020 at 0.5 m/s")
     assert told.endswith("; no dependence on the speed is seen.") == (words == "is ")

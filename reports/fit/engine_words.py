@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from simcompare.reports.fit import fits
 from simcompare.reports.render import numbers
 from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_bounces import BouncesFit
@@ -13,9 +14,9 @@ def of_engines(fit: BouncesFit) -> list[str]:
 
 
 def one_number(fit: BouncesFit) -> list[str]:
-    """That engines have one restitution for all speeds, empty where the ball has one too."""
+    """That engines have one restitution for all speeds, where the ball is seen to differ."""
     one = fit.one_number
-    if one is None:
+    if one is None or not fits.depends(fit.closed_form):
         return []
     slow, fast = fit.closed_form.restitution
     ends = [f"{numbers.plain(e.value, 3)} at {numbers.plain(e.speed_m_s, 2)} m/s"
