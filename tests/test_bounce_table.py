@@ -164,7 +164,7 @@ def test_a_table_without_values_says_so(faults, text):
 
 
 def test_text_that_is_not_utf8_is_told(faults):
-    assert "UTF-8" in faults("bounce,restitution\n1,1\n".encode("utf-16"))[0]
+    assert "CSV UTF-8" in faults("bounce,höhe (m)\n1,1\n".encode("latin-1"))[0]
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,13 @@
 """What a fit of bounces cannot use is refused in words: values, options, tables and tracks."""
 
+import numpy as np
 import pytest
 
 import simcompare
 from simcompare.errors import InputError
+from simcompare.fitting.bounces import tables
+from simcompare.fitting.bounces.reading import from_times
+from tests.bounces import times_of
 
 #: a ball of restitution 0.78 from 0.8 m: times between impacts [s]
 FLIGHTS = (0.630121, 0.491495, 0.383366, 0.299025, 0.233240, 0.181927)
@@ -156,3 +160,51 @@ def test_an_exact_height_tells_no_scatter(tmp_path, model):
 
 def test_what_is_sought_anyway_may_be_named(drop):
     assert "restitution" in fitted(drop, unknowns="restitution").record.fit.closed_form.parameters
+
+
+# ---- headings -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("heading", "encoding"),
+    [
+        ("Aufprall;Zeitintervall (s)", "utf-8"),
+        ("Nummer;Intervall (s)", "utf-8-sig"),
+        ("Nr.;Zeitintervall (s)", "utf-8"),
+        ("Bounce;Time interval (s)", "utf-16"),
+    ],
+)
+def test_tables_are_read_as_they_are_called_in_german_and_saved_by_spreadsheets(
+    tmp_path, heading, encoding
+):
+    rows = "".join(f"{k};{t}\n".replace(".", ",") for k, t in enumerate(FLIGHTS, start=1))
+    path = tmp_path / "tabelle.csv"
+    path.write_text(f"{heading}\n{rows}", encoding=encoding)
+    assert tables.is_table(path)
+    assert tables.read(path).intervals_s.tolist() == list(FLIGHTS)
+
+
+def test_heights_without_a_time_are_those_of_the_bounces(tmp_path):
+    path = tmp_path / "hoehen.csv"
+    path.write_text("Nr.;Höhe (m)\n1;0,49\n2;0,30\n", encoding="utf-8")
+    assert tables.is_table(path)
+    assert tables.read(path).heights_m.tolist() == [0.49, 0.30]
+
+
+def test_impacts_are_numbered_in_a_column_of_that_name(tmp_path):
+    path = tmp_path / "impacts.csv"
+    path.write_text(
+        "impact,impact_time (s),u_impact_time (s)\n1,0.8,1e-4\n2,1.43,1e-4\n", encoding="utf-8"
+    )
+    assert tables.is_table(path)
+    assert tables.read(path).u_s.tolist() == [1e-4, 1e-4]
+
+
+@pytest.mark.parametrize("restitution", [0.992, 0.998])
+@pytest.mark.parametrize("u_s", [1e-4, None])
+def test_a_ball_that_loses_almost_nothing_is_followed(restitution, u_s):
+    # flights of 0.5 s shorten by 1 ms at least, ten times the noise
+    truth = {"restitution": restitution, "drop_height_m": 0.3, "release_time_s": 0.3}
+    noise = np.random.default_rng(0).normal(0, 1e-4, 10)
+    (drop,) = from_times(times_of(truth, 10) + noise, u_s)
+    assert drop.numbers == tuple(range(1, 11))

@@ -13,13 +13,25 @@ from simcompare.errors import InputError, UnknownName
 INTERVAL, HEIGHT, INSTANT = "interval", "rebound_height", "impact_time"
 _MAX_HEADING = 100
 #: what the number of a bounce is called; the first few can mean nothing else
-_BOUNCE = ("bounce", "bounce_number", "bounce_no", "bounce_no.", "bounce_#")
-_NUMBER = (*_BOUNCE, "n", "#", "no", "no.", "nr", "nr.", "number")
+_BOUNCE = ("bounce", "bounce_number", "bounce_no", "bounce_no.", "bounce_#", "impact", "aufprall",
+           "aufprall_nr.", "sprung")  # fmt: skip
+_NUMBER = (*_BOUNCE, "n", "#", "no", "no.", "nr", "nr.", "number", "nummer")
 #: what others call a quantity
 _CALLED = {
-    INTERVAL: ("time_interval", "time_between_bounces", "flight_time", "delta_t", "δt", "dt"),
-    INSTANT: ("time", "t"),
-    HEIGHT: ("height", "h"),
+    INTERVAL: (
+        "time_interval",
+        "time_between_bounces",
+        "flight_time",
+        "delta_t",
+        "δt",
+        "dt",
+        "zeitintervall",
+        "zeitabstand",
+        "intervall",
+        "flugzeit",
+    ),
+    INSTANT: ("time", "t", "aufprallzeit", "zeit", "zeitpunkt"),
+    HEIGHT: ("height", "h", "höhe", "sprunghöhe"),
 }
 _NAMES = sorted(
     ((name, quantity) for quantity, names in _CALLED.items() for name in names),
@@ -55,7 +67,8 @@ def is_table(headings: Collection[str]) -> bool:
     told = [_quantity(name)[0] for name in names]
     if first in _NUMBER:  # a log may be numbered too, but it has no intervals or bounces
         ours = [name.startswith((INSTANT, HEIGHT)) for name in names]
-        return any(ours) or INTERVAL in told
+        # with no time beside it a height over a number is one of each bounce
+        return any(ours) or INTERVAL in told or set(told[1:]) == {HEIGHT}
     return told[0] == INTERVAL
 
 

@@ -16,6 +16,7 @@ limits mean a rectangular distribution, u = half-width/√3 (JCGM 100:2008, 4.3.
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import math
 import re
@@ -107,9 +108,11 @@ def read(path: Path, known: Mapping[str, str]) -> BounceTable:
     """
     try:
         raw = path.read_bytes()
-        text = raw.decode("utf-8-sig")
+        text = decoded(raw)
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), [f"cannot be read as UTF-8 text: {error}"]) from None
+        raise InputError(
+            str(path), [f"cannot be read as UTF-8 text ({error}); save it as CSV UTF-8"]
+        ) from None
     head, parameters, body = _split(text)
     faults: list[str] = []
     quantities = _quantities(body, known, faults)
@@ -125,6 +128,12 @@ def read(path: Path, known: Mapping[str, str]) -> BounceTable:
         raise InputError(str(path), faults)
     digest = hashlib.sha256(raw).hexdigest()
     return BounceTable(path, digest, head, parameters, tuple(quantities))
+
+
+def decoded(raw: bytes, errors: str = "strict") -> str:
+    """The text of a table: UTF-8, or UTF-16 where it begins with the mark of that."""
+    wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return raw.decode("utf-16" if wide else "utf-8-sig", errors=errors)
 
 
 def _split(text: str) -> tuple[dict[str, str], dict[str, str], list[tuple[int, str]]]:

@@ -36,7 +36,7 @@ def is_table(path: Path) -> bool:
     """Whether a file is a table of bounces, by its headings."""
     try:
         with path.open("rb") as file:
-            lines = file.read(4096).decode("utf-8-sig", errors="replace").splitlines()
+            lines = bounce_table.decoded(file.read(4096), errors="replace").splitlines()
     except OSError:
         return False
     heads = [line for line in lines if line.strip() and not line.startswith("#")]
