@@ -30,7 +30,7 @@ _PAUSE, _PAUSE_S = 1.5, 1.0
 #: smallest scatter that is believed where no uncertainty is stated [s]
 _FINEST_S = 1e-5
 #: largest factor between flights that a ball can have
-_MAX_FACTOR = 0.99
+_MAX_FACTOR = 0.9999
 #: an impact that others of known scatter contradict is off by this part of a flight or more
 _MIN_OFF = 0.01
 #: the same for the first and the last impact
