@@ -6,8 +6,8 @@ import pytest
 import simcompare
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import tables
-from simcompare.fitting.bounces.reading import from_times
-from tests.bounces import times_of
+from simcompare.fitting.bounces.reading import drops_of, from_times
+from tests.bounces import filmed_samples, times_of
 
 #: a ball of restitution 0.78 from 0.8 m: times between impacts [s]
 FLIGHTS = (0.630121, 0.491495, 0.383366, 0.299025, 0.233240, 0.181927)
@@ -208,3 +208,44 @@ def test_a_ball_that_loses_almost_nothing_is_followed(restitution, u_s):
     noise = np.random.default_rng(0).normal(0, 1e-4, 10)
     (drop,) = from_times(times_of(truth, 10) + noise, u_s)
     assert drop.numbers == tuple(range(1, 11))
+
+
+# ---- tracks without units -----------------------------------------------------------------------
+
+
+def track(path, *, factor=1.0, held_s=0.0, rest_s=0.0, frames=False):
+    """A file of Tracker, which writes no units."""
+    _, height = filmed_samples(u_m=1e-3)
+    held, rest = (np.full(int(30 * s), end) for s, end in ((held_s, height[0]), (rest_s, 0.123)))
+    noise = np.random.default_rng(1).normal(0, 1e-3, len(held) + len(rest))
+    y = factor * np.concatenate((held + noise[: len(held)], height, rest + noise[len(held) :]))
+    t = np.arange(len(y)) / (1 if frames else 30)
+    rows = "".join(f"{a:.6f}\t0\t{b:.6f}\n" for a, b in zip(t, y, strict=True))
+    path.write_text(f"mass_A\t\t\nt\tx\ty\n{rows}", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("where", ["held_s", "rest_s"])
+def test_a_ball_that_is_held_or_rests_for_long_is_followed(tmp_path, where):
+    (drop,) = drops_of(track(tmp_path / "clip.txt", **{where: 6.0}), None, None, 9.80665)
+    assert drop.heights_m[0] == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("made", "message", "line"),
+    [
+        ({"factor": -1.0}, "y grows downwards", "unit: m, sign: -1"),
+        ({"factor": -100.0}, "y grows downwards", "unit: cm, sign: -1"),
+        ({"factor": 100.0}, "the lengths are in another unit", "unit: cm"),
+        ({"frames": True}, "these are frames, not seconds", "time: {rate_Hz: 30}"),
+    ],
+)
+def test_a_track_is_refused_with_the_line_that_opens_it(tmp_path, made, message, line):
+    path = track(tmp_path / "clip.txt", **made)
+    with pytest.raises(InputError, match=message) as error:
+        drops_of(path, None, None, 9.80665)
+    asked = str(error.value).partition('Write the line "')[2].partition('"')[0]
+    assert line in asked
+    (tmp_path / "map.yaml").write_text(asked, encoding="utf-8")
+    (drop,) = drops_of(path, tmp_path / "map.yaml", None, 9.80665)
+    assert drop.heights_m[0] == pytest.approx(1.0, abs=0.02)

@@ -28,6 +28,9 @@ from simcompare.model.trajectory import Array
 _BESIDE = 0.12
 #: factor by which what falls in assumed metres may miss free fall
 _FALLS = 3.0
+#: part of the fastest speeds above which a ball moves
+_MOVES = 0.2
+_INTO_MAP = "into map.yaml, and add --map map.yaml"
 #: what is said of a track whose units are assumed
 _METRES = "Tracker writes no units: lengths were taken as metres, and times as seconds"
 #: names that a height may have, best first
@@ -82,8 +85,7 @@ def from_recording(
     guessed = [r.channel for r in recording.provenance.repairs if r.rule == tracker_.NO_UNITS]
     assumed = seen.raw in guessed
     _check_moves(seen.values, name, source)
-    if assumed:
-        _check_unit(time_s, seen.values, gravity_m_s2, source)
+    _check_scale(time_s, seen.values, gravity_m_s2, source, seen.raw, assumed=assumed)
     found = arcs.from_heights(time_s, seen.values, seen.u, gravity_m_s2=gravity_m_s2, source=source)
     return (replace(found, notes=(*found.notes, _METRES)) if assumed else found,)
 
@@ -98,19 +100,43 @@ def _check_moves(height: Array, name: str, source: str) -> None:
         ])  # fmt: skip
 
 
-def _check_unit(time_s: Array, height: Array, gravity_m_s2: float, source: str) -> None:
-    """Raises ``InputError`` where heights without a stated unit do not fall as metres do."""
-    steps = np.diff(time_s)
-    fall = -float(np.nanmedian(np.diff(height, 2) / (steps[1:] * steps[:-1])))
-    if len(height) < MIN_SAMPLES or not fall > 0 or 1 / _FALLS < fall / gravity_m_s2 < _FALLS:
+def _check_scale(
+    time_s: Array, height: Array, gravity_m_s2: float, source: str, column: str, *, assumed: bool
+) -> None:
+    """Raises ``InputError`` where a height does not fall as one in metres and seconds does."""
+    whole = np.isfinite(time_s) & np.isfinite(height)
+    if np.count_nonzero(whole) < 2 * MIN_SAMPLES:
         return
-    text = (
-        f"a ball falls with {gravity_m_s2:.3g} m/s², but y as metres falls with {fall:.3g} m/s²;"
-        " the lengths are in another unit, or the clip is in slow motion. Write the line"
-        ' "channels: {height: {column: y, unit: cm}}" with the right unit into map.yaml, and add'
-        " --map map.yaml"
-    )
-    raise InputError(source, [text])
+    if assumed and np.all(np.diff(time_s) == 1):
+        raise InputError(source, [
+            'the time counts 0, 1, 2, …: these are frames, not seconds. Write the line "time:'
+            f' {{rate_Hz: 30}}" with the frames in a second {_INTO_MAP}'
+        ])  # fmt: skip
+    fall = _fall(time_s[whole], height[whole]) / gravity_m_s2
+    far = assumed and not 1 / _FALLS < abs(fall) < _FALLS
+    unit, of_unit = ("cm", " with the right unit") if far else ("m", "")
+    line = f"channels: {{height: {{column: {column}, unit: {unit}"
+    if fall < -1 / _FALLS:
+        text = (f'{column} grows downwards: the ball falls where it becomes larger. Write the line'
+                f' "{line}, sign: -1}}}}"{of_unit} {_INTO_MAP}')  # fmt: skip
+        raise InputError(source, [text])
+    if far and fall > 0:
+        raise InputError(source, [
+            f"a ball falls with {gravity_m_s2:.3g} m/s², but {column} as metres falls with"
+            f" {fall * gravity_m_s2:.3g} m/s²; the lengths are in another unit, or the clip is in"
+            f' slow motion. Write the line "{line}}}}}"{of_unit} {_INTO_MAP}'
+        ])  # fmt: skip
+
+
+def _fall(time_s: Array, height: Array) -> float:
+    """Acceleration downwards while the ball moves: in a hand and at rest it does not fall."""
+    steps = np.diff(time_s)
+    speed = np.diff(height) / steps
+    fastest = np.sort(np.abs(speed))[-min(10, len(speed))]
+    moves = np.abs(speed) > _MOVES * fastest
+    bends = np.diff(speed) / ((steps[1:] + steps[:-1]) / 2)
+    own = bends[moves[1:] & moves[:-1]]
+    return -float(np.median(own)) if len(own) else 0.0
 
 
 def _heard(recording: Recording, drops: tuple[Impacts, ...]) -> tuple[Impacts, ...]:
