@@ -249,3 +249,8 @@ def test_a_track_is_refused_with_the_line_that_opens_it(tmp_path, made, message,
     (tmp_path / "map.yaml").write_text(asked, encoding="utf-8")
     (drop,) = drops_of(path, tmp_path / "map.yaml", None, 9.80665)
     assert drop.heights_m[0] == pytest.approx(1.0, abs=0.02)
+
+
+def test_an_uncertainty_of_times_is_not_ignored_for_a_video(tmp_path):
+    with pytest.raises(InputError, match=r"--u-time, clip\.txt: is of impact times, but"):
+        drops_of(track(tmp_path / "clip.txt"), None, 1e-3, 9.80665)

@@ -77,6 +77,9 @@ def from_recording(
         given = np.full(len(times), u_s) if u_s is not None else u
         return _heard(recording, from_times(times, given, kind=kind, source=source))
     name = _height_channel(recording)
+    if name is not None and u_s is not None:
+        text = "is of impact times, but the recording is a height over time; leave it out"
+        raise InputError(f"--u-time, {source}", [text])
     if name is None:
         raise InputError(source, [_what_is_there(recording)])
     stream, full = recording.find(name)
