@@ -261,6 +261,17 @@ CASES = {
         "waveforms.csv", "#Digilent WaveForms Oscilloscope Acquisition,\n#Serial Number: SN:0,\n"
         ",\nTime (s),Channel 1 (V)\n", "{t},0.5", {"channel_1_V": 0.5},
     ),
+    "remarks above names that are alike": (
+        "OpenBCI.txt", "%OpenBCI Raw EXG Data\n%Sample Rate = 250 Hz\nTimestamp, Other, Other, u_V\n",
+        "{epoch}, 1, 2, 0.5", {"u_V": 0.5},
+    ),
+    "altos": (
+        "flight.csv", "#version,serial,flight,call,time,state_name,acceleration,pressure,altitude,"
+        "height,speed,temperature,battery_voltage,altitude,hour,minute,second\n",
+        "6, 20, 12,N0CALL, {t}, boost, 3.5, 98235, 260, 11, -0.5, 20, 3.9, 218, 20, 7, 50",
+        {"acceleration_m_s2": 3.5, "pressure_Pa": 98235.0, "temperature_K": 293.15,
+         "speed_m_s": -0.5, "battery_voltage_V": 3.9, "altitude_2_m": 218.0},
+    ),
     "quaternions of x-io": (
         "Quaternion.csv", "Timestamp (us),W,X,Y,Z\n", "{us},0.6,0,0.8,0", {"w": 0.6, "y": 0.8},
     ),

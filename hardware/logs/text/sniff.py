@@ -127,7 +127,7 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
     head_cells = _header_cells(lines[header], separator, width) if header is not None else []
     below = _header_cells(lines[units_row], separator, width) if units_row is not None else []
     if header is not None:
-        above = [_wide(lines[i], separator, width) for i in range(header - 1, -1, -1)]
+        above = [_group_line(lines[i], separator, width) for i in range(header - 1, -1, -1)]
         head_cells, below = groups.named(_wide(lines[header], separator, width), below, above)
     names = _cell.headings((head_cells + [""] * width)[:width], below, keep)
     body = [(i + 1, cells[i]) for i in rows if i >= first and len(cells[i]) == width]
@@ -226,6 +226,12 @@ def _wide(line: str, separator: str, width: int) -> list[str]:
     cells = _header_cells(line, separator, width)
     short = separator != " " and len(cells) < width
     return cells + [""] * (width - len(cells)) if short else cells
+
+
+def _group_line(line: str, separator: str, width: int) -> list[str]:
+    """Cells of a line that may group columns; none where it is one remark."""
+    cells = _wide(line, separator, width)
+    return [] if is_comment(line) and sum(bool(cell.strip()) for cell in cells) < 2 else cells
 
 
 def _with_bad_rows_above(
