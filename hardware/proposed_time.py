@@ -9,6 +9,7 @@ import numpy as np
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.clock import sample_counter, time_unit
+from simcompare.hardware.conditioning.units import quantity
 from simcompare.hardware.logs.text import clocks
 from simcompare.hardware.mapping_lines import time_line
 from simcompare.hardware.raw import RawColumn, RawStream
@@ -77,6 +78,8 @@ def _likely(column: RawColumn) -> bool:
         return False
     if sample_counter.is_named(column.name) or not _increases(column):
         return False
+    if quantity.possible(column.name) - {"s"}:
+        return False  # phi may increase too
     # 0, 1, 2 … are the numbers of the rows
     return not (column.values == np.round(column.values)).all() or (
         float(np.median(np.diff(column.values))) > 1 and not _counts(column)

@@ -38,6 +38,8 @@ CLOSED = {
     "no header, many columns": "".join(
         f"{t:.2f} " + f"{x:.5f} " * 12 + "\n" for t, x in zip(SECONDS, SWING, strict=True)
     ),
+    "fractions without unit": table("time,u (V)", 96.328 + 1.002 * NUMBERS, SWING),
+    "an angle that increases": table("theta,phi,u (V)", SWING, 0.1745 + SECONDS, SWING),
     "times without unit": table("t,u (V)", 10 * NUMBERS, SWING),
     "seconds that are milliseconds": table("t (s),u (V)", 5000 * NUMBERS, SWING),
     "a time that stands still": table("t (s),u (V)", 0 * NUMBERS, SWING),
@@ -99,6 +101,8 @@ def test_a_column_in_another_unit_is_never_offered_as_the_time(tmp_path):
         ("a counter beside a clock", "time: {column: ticker, unit: s}"),
         ("a board's milliseconds", "time: {column: ticker, unit: ms}"),
         ("a rate in another time", "time: {column: t, unit: s}"),
+        ("fractions without unit", "time: {column: time, unit: s}"),
+        ("an angle that increases", "time: {rate_Hz: 100}"),
     ],
 )
 def test_the_best_line_is_proposed_and_no_other(tmp_path, name, line):

@@ -262,7 +262,7 @@ CASES = {
         ",\nTime (s),Channel 1 (V)\n", "{t},0.5", {"channel_1_V": 0.5},
     ),
     "remarks above names that are alike": (
-        "OpenBCI.txt", "%OpenBCI Raw EXG Data\n%Sample Rate = 250 Hz\nTimestamp, Other, Other, u_V\n",
+        "OpenBCI.txt", "%OpenBCI Raw EXG Data\n%Rate = 250 Hz\nTimestamp, Other, Other, u_V\n",
         "{epoch}, 1, 2, 0.5", {"u_V": 0.5},
     ),
     "altos": (

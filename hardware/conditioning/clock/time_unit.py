@@ -132,6 +132,8 @@ def _decide(
         )  # fmt: skip
         return _UNITS[fitting[0]]
     best = min(fitting, key=lambda name: abs(np.log(step * _UNITS[name] / _LIKELY)), default="s")
+    if "s" in fitting and not intervals.whole_numbers(column):
+        best = "s"  # what counts in ms, µs or ns counts whole ones
     how = f"write into a mapping file (--map): {time_line(column.name, best)}"
     guess = f" ({fits})" if fits else ""
     work.fault(f"{now}{guess}; {how}", channel=column.name)

@@ -162,13 +162,18 @@ def _is_index(name: str, names: Sequence[str]) -> bool:
 def meant(name: str, unit: str) -> str:
     """A unit as it is meant in a column of that name; itself where the name does not decide."""
     unit = _rate(name, unit)
-    several, possible = units.ways(unit), measured(name) or _of_symbol(name)
-    if unit == "ms" and "m/s" in possible and not _TIMES & {*words(name)}:
+    several, fitting_name = units.ways(unit), possible(name)
+    if unit == "ms" and "m/s" in fitting_name and not _TIMES & {*words(name)}:
         return "m/s"  # as in speed_ms
-    if possible == {"N"}:  # a force in kg is the weight of them
+    if fitting_name == {"N"}:  # a force in kg is the weight of them
         unit = _WEIGHT.get(unit.strip(), unit)
-    fitting = [way for way in several if _si(way) in possible]
+    fitting = [way for way in several if _si(way) in fitting_name]
     return fitting[0] if len(fitting) == 1 and len(several) > 1 else unit
+
+
+def possible(name: str) -> frozenset[str]:
+    """SI units that what is called by words or by one letter can have, none if nothing is said."""
+    return measured(name) or _of_symbol(name)
 
 
 def _of_symbol(name: str) -> frozenset[str]:
