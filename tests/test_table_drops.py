@@ -136,8 +136,9 @@ def test_intervals_out_of_instants_are_stated_too_wide_and_never_too_narrow():
         errors.append(found.values - [0.85, 1.0])
         stated.append(found.u)
     ratio = np.sqrt(np.mean(np.square(stated), axis=0) / np.mean(np.square(errors), axis=0))
-    # 1.87 and 1.69 by the covariances; 100 draws tell each to 7 %
-    assert np.all((ratio > 1.3) & (ratio < 2.4))
+    # 1.87 and 1.69 by the covariances, times 1.25: u follows Student's t of six degrees of freedom;
+    # 100 draws tell each to 7 %, and three of that are allowed
+    assert np.all((ratio > 1.65) & (ratio < 2.85))
 
 
 def test_ratios_of_intervals_have_their_own_covariance():
