@@ -139,6 +139,11 @@ def test_cells_that_say_missing_are_missing_and_flags_are_numbers(read):
     assert table(found)["on"][1] == [1.0, 0.0, 1.0, 1.0]
 
 
+def test_what_a_spreadsheet_could_not_work_out_is_missing(read):
+    found = read("t,x\n0,#VALUE!\n1,#DIV/0!\n2,3\n3,4\n")
+    assert np.isnan(found.streams[0].column("x").values).tolist() == [True, True, False, False]
+
+
 def test_a_log_without_header_has_no_time(read):
     found = read("0.0\t5\t\n0.1\t4\t\n0.2\t6\t\n")
     assert found.streams[0].time is None

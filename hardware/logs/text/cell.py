@@ -18,6 +18,7 @@ from simcompare.model.trajectory import Array
 MISSING = (
     "", "nan", "NaN", "NAN", "Nan", "-nan", "-NaN", "-nan(ind)", "NA", "N/A", "n/a", "#N/A", "null",
     "NULL", "None", "1.#QNAN", "-1.#IND", "1.#IND",
+    "#VALUE!", "#DIV/0!", "#NUM!", "#REF!", "#NAME?", "#NULL!",  # as spreadsheets write them
 )  # fmt: skip
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?", re.ASCII)
