@@ -272,6 +272,11 @@ CASES = {
         {"acceleration_m_s2": 3.5, "pressure_Pa": 98235.0, "temperature_K": 293.15,
          "speed_m_s": -0.5, "battery_voltage_V": 3.9, "altitude_2_m": 218.0},
     ),
+    "an older mt manager": (
+        "mt.txt", "// Start Time: 0\n// Sample rate: 100.0Hz\nCounter\tAcc_X\tAcc_Y\tAcc_Z\tQuat_w"
+        "\n",
+        "{n}\t0.5\t{w}\t9.81\t1", {"acc_z_m_s2": 9.81, "quat_w": 1.0},
+    ),
     "quaternions of x-io": (
         "Quaternion.csv", "Timestamp (us),W,X,Y,Z\n", "{us},0.6,0,0.8,0", {"w": 0.6, "y": 0.8},
     ),
