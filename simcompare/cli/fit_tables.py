@@ -27,6 +27,7 @@ from simcompare.reports.fit import (
 )
 from simcompare.reports.fit import tables as fitted_tables
 from simcompare.reports.render.tables import printable
+from simcompare.reports.validation import phrases
 from simcompare.results import fit_file
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.records.fit_tosses import TossFit
@@ -87,7 +88,8 @@ def _show_remarks(found: AnyFit) -> None:
     most = len(remarks) if manner.is_verbose() else _FEW
     console.print_wrapped(sentence(printable(text)) for text in remarks[:most])
     if len(remarks) > most:
-        typer.echo(f"{len(remarks) - most} more remarks: -v, or the report.")
+        more = phrases.counted(len(remarks) - most, "more remark")
+        typer.echo(f"{more}: -v, or the report.")
 
 
 def _limits(found: AnyFit) -> Iterator[str]:
