@@ -23,9 +23,9 @@ from simcompare.fitting.bounces.problem import build
 #: impacts of a drop, and the standard uncertainty of their instants [s]
 COUNTS = range(5, 13)
 U_S = np.geomspace(5e-6, 1e-3, len(COUNTS))
-#: 95 % are promised, and 93 to 97 % asked for; two standard deviations of a share of 95 % in 200
-#: draws are 3.1 %
-LOW, HIGH = 0.93 - 0.031, 0.97 + 0.031
+#: 95 % are promised: of 200 such intervals fewer than 91 %, or more than 99 %, hold the truth in
+#: one of a hundred sets
+LOW, HIGH = 0.91, 0.99
 
 
 def truth(family, count, generator):
