@@ -22,7 +22,7 @@ from simcompare.fitting.bounces import (
     records,
 )
 from simcompare.fitting.bounces.assisted_fit import fit_engines
-from simcompare.fitting.bounces.averaging import averaged
+from simcompare.fitting.bounces.averaging import Averaged, averaged
 from simcompare.fitting.bounces.bounce_models import GRAVITY as STANDARD
 from simcompare.fitting.bounces.engine_fit import EngineFit
 from simcompare.fitting.bounces.impacts import HEIGHT, Impacts
@@ -115,9 +115,10 @@ def fit_bounces(
         fixed=constraints.fixed,
         priors=constraints.priors,
     )
-    meaning.check(choice, roles)
+    laws = averaged(choice)
+    meaning.check(laws, roles)
     how = _How(engines.select(request.engine), helps, step_s, time_limit_s, progress)
-    plain, found, predicted, wanted = _engines(roles, choice, held, constraints, how)
+    plain, found, predicted, wanted = _engines(roles, laws, held, constraints, how)
     start = plain.fit
     scene = file.resolve(roles.values(start.problem.values(start.x, 0)), step_s=step_s)
     found_fit = records.of_fit(
@@ -160,13 +161,13 @@ class _How:
 
 def _engines(
     roles: Roles,
-    choice: model_selection.Choice,
+    laws: Averaged,
     held: Sequence[Impacts],
     constraints: Constraints,
     how: _How,
 ) -> tuple[OneNumber, Sequence[EngineFit], Holdout, TuningGoal | None]:
     """What engines get of the closed form, what they make of it, and held-out drops."""
-    best, laws = choice.best, averaged(choice)
+    best = laws.shares[0].fit
     closed = holdout.predict(laws, held, constraints.fixed)
     more: dict[str, Any] = {
         "step_s": how.step_s, "time_limit_s": how.time_limit_s, "progress": how.progress,

@@ -19,7 +19,7 @@ from simcompare.fitting.bounces import bounce_models, distribution
 from simcompare.fitting.bounces.hunt_crossley import REFERENCE_SPEED
 from simcompare.fitting.bounces.likelihood import COVERAGE, Fit
 from simcompare.fitting.bounces.model_selection import Choice
-from simcompare.fitting.bounces.unknowns import SPEED, base, external
+from simcompare.fitting.bounces.unknowns import BOUNDS, SPEED, base, external
 from simcompare.model.trajectory import Array
 
 #: weight below which a law is left out
@@ -55,7 +55,7 @@ class Averaged:
     """What all laws say together.
 
     Attributes:
-        shares: the laws with a weight, best first.
+        shares: the laws with a weight, in the order of the choice.
     """
 
     shares: tuple[Share, ...]
@@ -69,7 +69,7 @@ class Averaged:
         """Effective restitution at that speed: mean, standard uncertainty, ends of its 95 %."""
         if self.is_normal:
             value, u = self.shares[0].fit.restitution_at(speed_m_s)
-            return value, u, value - COVERAGE * u, value + COVERAGE * u
+            return value, u, max(value - COVERAGE * u, 0.0), min(value + COVERAGE * u, 1.0)
         found = _told(self.shares, lambda fit, x: _restitution(fit, x, speed_m_s))
         return found.value, found.u, found.low, found.high
 
@@ -94,23 +94,27 @@ class Averaged:
 
 def averaged(choice: Choice) -> Averaged:
     """The laws of a choice with their weights."""
-    able = [one for one in choice.candidates if one.weight > _LEAST] or [choice.candidates[0]]
-    total = sum(one.weight for one in able) or 1.0
-    return Averaged(tuple(
-        Share(one.fit, one.weight / total, distribution.of_fit(one.fit).draws())
-        for one in sorted(able, key=lambda one: -one.weight)
-    ))  # fmt: skip
+    able = [one for one in choice.candidates if one.weight > _LEAST]
+    total = sum(one.weight for one in able)
+    return Averaged(tuple(Share(one.fit, one.weight / total, _draws(one.fit)) for one in able))
 
 
 def alone(fit: Fit) -> Averaged:
     """One law that nothing is averaged with."""
-    return Averaged((Share(fit, 1.0, distribution.of_fit(fit).draws()),))
+    return Averaged((Share(fit, 1.0, _draws(fit)),))
+
+
+def _draws(fit: Fit) -> Array:
+    """Draws of the internal numbers, none of which leaves the bounds."""
+    found = distribution.of_fit(fit).draws()
+    return np.clip(found, fit.problem.low, fit.problem.high)
 
 
 def _own(fit: Fit, name: str) -> Told:
     """An unknown as the fit of its law has it, with its profile where it has one."""
-    k = fit.names.index(name)
-    return Told(float(fit.values[k]), float(fit.u[k]), *fit.intervals[k])
+    k, (least, most) = fit.names.index(name), BOUNDS[base(name)]
+    low, high = fit.intervals[k]
+    return Told(float(fit.values[k]), float(fit.u[k]), max(low, least), min(high, most))
 
 
 def _restitution(fit: Fit, x: Array, speed_m_s: float) -> Array:

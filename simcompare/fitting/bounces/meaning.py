@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.fitting.bounces.averaging import Averaged
 from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.model_selection import Choice
 from simcompare.fitting.bounces.roles import Roles
-from simcompare.fitting.bounces.unknowns import base
+from simcompare.fitting.bounces.unknowns import base, own_drop
 
 
-def check(choice: Choice, roles: Roles) -> None:
+def check(laws: Averaged, roles: Roles) -> None:
     """Raises ``InputError`` where no restitution was found, or a height that no scene has."""
-    best = choice.best
+    best = laws.shares[0].fit
     sources = ", ".join(dict.fromkeys(drop.source for drop in best.problem.drops if drop.source))
-    faults = _heights(best, roles)
+    faults = _heights(laws, roles)
     is_far = any(base(name) == "drop_height_m" for name in best.at_bound)
     if "restitution" in best.at_bound and not (is_far and faults):
         faults = [_no_restitution(best)]
@@ -31,13 +31,16 @@ def _no_restitution(best: Fit) -> str:
     )
 
 
-def _heights(best: Fit, roles: Roles) -> list[str]:
+def _heights(laws: Averaged, roles: Roles) -> list[str]:
     """Drop heights that a scenario cannot have: times in another unit are the usual reason."""
     parameter = roles.file.parameters[roles.height]
     unit = units.unit_of(roles.height)
-    found = []
+    best, found = laws.shares[0].fit, []
     for drop, impacts in enumerate(best.problem.drops):
         height = float(best.problem.values(best.x, drop)["drop_height_m"])
+        for name in best.names:
+            if base(name) == "drop_height_m" and own_drop(name) in (None, drop):
+                height = laws.unknown(name).value
         if not parameter.min <= height <= parameter.max:
             found.append(
                 f"{impacts.source or f'drop {drop + 1}'} would be a drop from {height:.3g} {unit};"

@@ -203,14 +203,19 @@ def _candidate(name: str, one: Fit, scatter: float, dof: int) -> Candidate:
 def _weighed(rows: Sequence[Candidate]) -> list[Candidate]:
     """Models with what they are above the best, and their weights; best first."""
     least = min(row.aic for row in rows)
-    shares = [_likely(row.fit) * math.exp(-(row.aic - least) / 2) for row in rows]
-    total = sum(shares) or 1.0
+    fair = [math.exp(-(row.aic - least) / 2) for row in rows]
+    shares = [_likely(row.fit) * share for row, share in zip(rows, fair, strict=True)]
+    if not any(shares):  # all ended at a bound, which is told; none is more likely for that
+        shares = fair
+    total = sum(shares)
     found = [
         replace(row, delta=row.aic - least, weight=share / total)
         for row, share in zip(rows, shares, strict=True)
     ]
     # of equals the model with fewer unknowns, such as one whose drag vanished
-    return sorted(found, key=lambda c: (round(c.delta, _EQUAL), len(c.fit.names)))
+    return sorted(
+        found, key=lambda c: (-round(c.weight, 3), round(c.delta, _EQUAL), len(c.fit.names))
+    )
 
 
 def _likely(fit: Fit) -> float:
