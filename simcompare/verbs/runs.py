@@ -102,7 +102,10 @@ def _age_s(text: str) -> float:
     """An age [s]; a number alone could mean days or seconds."""
     if text.strip().replace(".", "", 1).isdigit():
         raise InputError("--older-than", [f"{text} has no unit; expected such as {text}d or 12h"])
-    age_s = units.to_si(text, "s", "--older-than")
+    # a d of a log may be anything; that of an age is a day
+    days = text.strip().removesuffix("d")
+    is_days = days.lstrip("+-").replace(".", "", 1).isdigit() and days != text.strip()
+    age_s = units.to_si(f"{days} day" if is_days else text, "s", "--older-than")
     if age_s < 0:
         raise InputError("--older-than", [f"{text} is no age; expected such as 30d or 12h"])
     return age_s

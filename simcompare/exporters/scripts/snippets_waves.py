@@ -70,7 +70,8 @@ def _judged(m: Measuring, truth: Truth) -> Mapping[str, str]:
         f"turned_by = angle[:{count}] - true",
         "below = np.append(np.flatnonzero(size < 0.5**0.5), 0)[0]  # the cutoff is just before it",
         "near = slice(max(below - 2, 0), max(below - 2, 0) + 3)",
-        "root = np.roots(np.polyfit(f[near] ** 2, size[near] ** -2.0 - 2, 2)) ** 0.5",
+        "missing = np.maximum(size[near], 1e-9) ** -2.0 - 2",
+        "root = np.roots(np.polyfit(f[near] ** 2, missing, 2) if below else [1.0]) ** 0.5",
         "root = root.real[(root.real >= f[below - 1]) & (root.real <= f[below])]",
         "cutoff = root[0] if below and root.size else np.nan",
     ]
