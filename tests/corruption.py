@@ -376,14 +376,6 @@ def long_hole() -> Damaged:
     )
 
 
-def many_holes() -> Damaged:
-    """Every fifteenth value is missing."""
-    samples = list(range(30, 1990, 15))
-    stream = clean()
-    values(stream, "sine")[samples] = np.nan
-    return Damaged(stream, "missing_values", [row(30)], "fault", "sine")
-
-
 def wrapped() -> Damaged:
     """An encoder of 16 bits begins again."""
     return _wrapping(16, 150.0)
@@ -487,7 +479,7 @@ DEFECTS: dict[str, Callable[[], Damaged]] = {
         wrong_stamp, missing_stamp, clock_back, clock_ahead, clock_back_with_counter,
         clock_ahead_with_counter, two_logs, bursts, coarse_clock, millisecond_clock,
         milliseconds, said_to_be_seconds,
-        sentinel, full_sentinel, told_sentinel, infinite, short_holes, long_hole, many_holes,
+        sentinel, full_sentinel, told_sentinel, infinite, short_holes, long_hole,
         wrapped, wrapped_8, told_wrap, too_fast_wrap, signed_number, clipped, at_limits, cut_short,
     )
 }  # fmt: skip

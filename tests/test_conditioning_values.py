@@ -58,6 +58,52 @@ def test_what_cannot_be_repaired_is_refused_and_row_and_column_named(name, mode)
     assert f"({damaged.rule})" in message
 
 
+def many_holes(name):
+    """A good log of which one column misses every fifteenth value."""
+    stream = clean()
+    values(stream, name)[30:1990:15] = np.nan
+    return stream
+
+
+def test_a_channel_of_many_holes_is_left_out_and_named():
+    recording = conditioned(many_holes("sine"))
+    channels = recording.streams["log"].channels
+    assert {one.raw for one in channels.values()} == {"slope", "walk", "amplitude"}
+    (told,) = found(recording, "missing_values")
+    assert (told.severity, told.channel, told.count) == ("warning", "sine", 131)
+    assert told.text == (
+        "131 values are missing here and there (6.5 % of the samples, more than 5 %): the channel"
+        " is not sound, so it was left out"
+    )
+    (left_out,) = [one for one in recording.provenance.conversions if one.raw == "sine"]
+    assert (left_out.channel, left_out.reason) == ("", told.text.split(":")[0])
+
+
+def test_strict_mode_refuses_a_channel_of_many_holes():
+    with pytest.raises(InputError, match=r"^test.csv: column 'sine', row 34 and 130 more: 131 "):
+        conditioned(many_holes("sine"), "strict")
+
+
+def test_a_channel_of_many_holes_is_refused_where_the_mapping_wants_it():
+    wanted = of_tree({"channels": {"sine": {"column": "sine", "unit": "V"}}}, "map")
+    with pytest.raises(InputError, match=r"^test.csv: line 34, column 'sine': .*the mapping file"):
+        conditioned(many_holes("sine"), mapping=wanted)
+
+
+def test_a_log_of_nothing_but_many_holes_is_refused():
+    stream = many_holes("sine")
+    stream.columns = stream.columns[:2]
+    with pytest.raises(InputError, match=r"^test.csv: column 'sine': 131 values are missing"):
+        conditioned(stream)
+
+
+def test_a_camera_loses_a_body_and_its_gaps_stay_gaps():
+    stream = many_holes("sine")
+    stream.column("sine").unit = "cm"
+    made = conditioned(stream).streams["log"].channels["sine_m"].values
+    assert np.array_equal(np.isnan(made), np.isnan(values(stream, "sine")))
+
+
 @pytest.mark.parametrize("name", REPAIRED)
 def test_good_samples_are_the_same_to_the_bit(name):
     damaged = DEFECTS[name]()

@@ -65,6 +65,7 @@ CHECKS: tuple[Callable[[Work], None], ...] = (
 )
 #: what comes later needs a clock that is in order
 _ALWAYS = (missing_values.check, time_unit.check)
+_NOTHING = "holds no column of numbers beside its time; there is nothing to import"
 
 
 def condition(
@@ -102,7 +103,12 @@ def condition(
     if (about.mode == "strict" and not mapping.channels) or not (told - {"s"} or faults):
         faults += left_out.refused(conversions)
     if not (told or faults or raw.events):
-        faults.append("holds no column of numbers beside its time; there is nothing to import")
+        unsound = [
+            f"column {n!r}: {why}; record again"
+            for work in works
+            for n, why in work.unsound.items()
+        ]
+        faults += unsound or [_NOTHING]
     if faults:
         raise InputError(about.file, faults)
     full = replace(
@@ -148,9 +154,10 @@ def _checked(stream: RawStream, mapping: Mapping, assume_units: bool) -> Work:
 
 
 def _stream(work: Work, conversions: list[Conversion]) -> Stream:
-    """Channels in SI; a column without a unit is left out."""
+    """Channels in SI; a column without a unit, or with too many holes, is left out."""
     channels: dict[str, Channel] = {}
-    for column in work.data:
+    conversions += [Conversion(name, "", "", "", reason=why) for name, why in work.unsound.items()]
+    for column in [one for one in work.data if one.name not in work.unsound]:
         wishes = naming.channels_of(work, column)
         for wish, name in wishes:
             made = naming.conversion(work, column, wish, name, channels)

@@ -29,6 +29,7 @@ class Work:
             may lie in the memory of the column of times.
         gaps: samples after which some are missing.
         saturated: raw column -> samples at the end of its range.
+        unsound: raw column -> why it is left out, in words.
         start_s: the log's own time at which ``time_s`` is 0 [s].
         u_time_s: standard uncertainty of a stamp [s].
         resolution_s: smallest step of the stamps [s].
@@ -42,6 +43,7 @@ class Work:
     time_s: Array = field(default_factory=lambda: np.empty(0))
     gaps: list[int] = field(default_factory=list)
     saturated: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
+    unsound: dict[str, str] = field(default_factory=dict)
     start_s: float = 0.0
     u_time_s: float = 0.0
     resolution_s: float = 0.0

@@ -138,7 +138,7 @@ def unit_in_name(name: str) -> str:
         return last
     possible = measured(stem)
     spelled = [way for text in (last, last.upper()) for way in units.ways(text)]
-    return next((way for way in spelled if last and _si(way) in possible), "")
+    return next((way for way in spelled if last and si_of(way) in possible), "")
 
 
 def from_suffix(name: str, names: Sequence[str]) -> str:
@@ -167,7 +167,7 @@ def meant(name: str, unit: str) -> str:
         return "m/s"  # as in speed_ms
     if fitting_name == {"N"}:  # a force in kg is the weight of them
         unit = _WEIGHT.get(unit.strip(), unit)
-    fitting = [way for way in several if _si(way) in fitting_name]
+    fitting = [way for way in several if si_of(way) in fitting_name]
     return fitting[0] if len(fitting) == 1 and len(several) > 1 else unit
 
 
@@ -205,7 +205,9 @@ def _rate(name: str, unit: str) -> str:
     return unit
 
 
-def _si(unit: str) -> str:
+def si_of(unit: str) -> str:
+    """The SI unit of what is in a unit, empty where that is none."""
+    """The SI unit of what is in a unit, empty where that is none."""
     try:
         return units.si_of(unit, "")[2]
     except InputError:

@@ -6,6 +6,7 @@ import numpy as np
 
 from simcompare.hardware.conditioning.clock import intervals
 from simcompare.hardware.conditioning.clock.intervals import Indices, Mask
+from simcompare.hardware.conditioning.units import quantity
 from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.raw import RawColumn, room
@@ -17,7 +18,7 @@ _MAX_FILLED = 3
 _SIDE = 2
 #: error of such an interpolation, in standard deviations of the channel, from which on it is none
 _ERROR = 0.1
-#: share of single missing values that makes a channel unsound
+#: share of single missing values that makes a channel unsound, positions apart
 _MAX_MISSING = 0.05
 #: longer stretches are outages (a covered marker, a sensor that was off), no scattered losses
 _OUTAGE = 10
@@ -50,17 +51,16 @@ def _judge(work: Work, column: RawColumn, missing: Mask) -> None:
         )  # fmt: skip
         return
     scattered = int(length[length <= _OUTAGE].sum())
-    if scattered > _MAX_MISSING * (inner.stop - inner.start):
+    seen = _is_position(column)
+    if scattered > _MAX_MISSING * (inner.stop - inner.start) and not seen:
         share = 100 * scattered / (inner.stop - inner.start)
-        work.fault(
-            f"{scattered} values are missing here and there ({share:.1f} % of the samples, more"
-            f" than {100 * _MAX_MISSING:g} %; first at {work.place(int(first[0]))}): the channel"
-            " is not sound. Record again, or remove the column (missing_values)",
-            sample=int(first[0]),
-            channel=column.name,
-        )
+        samples = intervals.spread(first, length)
+        _unsound(work, column, f"{scattered} values are missing here and there ({share:.1f} % of"
+                 f" the samples, more than {100 * _MAX_MISSING:g} %)", samples)  # fmt: skip
         return
-    filled = _fill(work, column, missing, first, length)
+    filled = np.zeros(len(first), dtype=np.bool_)
+    if not seen:
+        filled = _fill(work, column, missing, first, length)
     still = intervals.spread(first[~filled], length[~filled])
     if len(still):
         outages = int((length[~filled] > _OUTAGE).sum())
@@ -69,6 +69,27 @@ def _judge(work: Work, column: RawColumn, missing: Mask) -> None:
             "missing_values", f"{are(len(still), 'value')} missing{more}; they stay so",
             samples=still, channel=column.name, after={"missing": float(len(still))},
         )  # fmt: skip
+
+
+def _is_position(column: RawColumn) -> bool:
+    """Whether a column is a position: a camera that loses a body for some frames is sound."""
+    return quantity.si_of(column.unit) == "m"
+
+
+def _unsound(work: Work, column: RawColumn, what: str, samples: Indices) -> None:
+    """Leaves a column out; one that the mapping wants is refused."""
+    if work.wishes(column) is not None:
+        work.fault(
+            f"{what}; first at {work.place(int(samples[0]))}: the channel is not sound. Record"
+            " again, or take the column out of the mapping file (missing_values)",
+            sample=int(samples[0]), channel=column.name,
+        )  # fmt: skip
+        return
+    work.unsound[column.name] = what
+    work.warn(
+        "missing_values", f"{what}: the channel is not sound, so it was left out",
+        samples=samples, channel=column.name, after={"missing": float(len(samples))},
+    )  # fmt: skip
 
 
 def _empty(work: Work, column: RawColumn) -> None:
