@@ -254,3 +254,18 @@ def test_a_track_is_refused_with_the_line_that_opens_it(tmp_path, made, message,
 def test_an_uncertainty_of_times_is_not_ignored_for_a_video(tmp_path):
     with pytest.raises(InputError, match=r"--u-time, clip\.txt: is of impact times, but"):
         drops_of(track(tmp_path / "clip.txt"), None, 1e-3, 9.80665)
+
+
+def test_of_two_tracks_the_line_of_the_message_chooses_one(tmp_path):
+    rows = track(tmp_path / "one.txt").read_text(encoding="utf-8").splitlines()[2:]
+    both = "".join(f"{row}\t{row}\n" for row in rows)
+    path = tmp_path / "clip.txt"
+    head = "mass_A\t\t\tmass_B\t\t\nt\tx\ty\tt\tx\ty"
+    path.write_text(f"{head}\n{both}", encoding="utf-8")
+    with pytest.raises(InputError, match="mass_a_y_m, log/mass_b_y_m") as error:
+        drops_of(path, None, None, 9.80665)
+    (tmp_path / "map.yaml").write_text(
+        str(error.value).split(" '")[1].split("',")[0], encoding="utf-8"
+    )
+    (drop,) = drops_of(path, tmp_path / "map.yaml", None, 9.80665)
+    assert drop.heights_m[0] == pytest.approx(1.0, abs=0.02)

@@ -80,6 +80,8 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     layout, tracks = _layout(str(path), lines, at, separator)
     table = _table.read(source, layout)
     repairs = [*source.repairs, *table.repairs]
+    for column in table.columns:
+        column.defined = True  # what else stands in its name is that of a track, such as mass_A
     assumed = [
         c for c in table.columns if c.unit in _ASSUMED and not mapping.of_column("log", c.name)
     ]
@@ -162,7 +164,8 @@ def _named(above: Sequence[str], cells: Sequence[str], *, several: bool) -> list
 
 def _usual_unit(name: str) -> str:
     """The unit of a variable where nobody chose another one, empty for angles and the like."""
-    return next((unit for pattern, unit in _UNITS if pattern.fullmatch(name)), "")
+    usual = next((unit for pattern, unit in _UNITS if pattern.fullmatch(name)), "")
+    return "s" if name == "t" else usual
 
 
 def _counter(columns: Sequence[RawColumn]) -> str | None:

@@ -6,6 +6,7 @@ gives height against time, whose arcs meet at the impacts. Tables of bounces are
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from simcompare.fitting.bounces.bounce_models import GRAVITY
 from simcompare.fitting.bounces.flights import MIN_SAMPLES
 from simcompare.fitting.bounces.impacts import CLOCKED, LOUDNESS, MAX_COUNT, SOUND, Impacts, Signal
 from simcompare.hardware.logs import tracker_
+from simcompare.hardware.mapping_lines import channels_line, quoted
 from simcompare.hardware.recordings import published
 from simcompare.inference import sources
 from simcompare.model.recording import Recording
@@ -250,15 +252,26 @@ def _height_channel(recording: Recording) -> str | None:
         if channel.unit == "m" and len(content.time_s) >= 2 * MIN_SAMPLES
     ]
     for name in _HEIGHT_NAMES:
-        fitting = [full for full, short in found if short == name or short.endswith(f"_{name}")]
+        fitting = [full for full, short in found if short == name]
+        fitting = fitting or [full for full, short in found if short.endswith(f"_{name}")]
         if len(fitting) == 1:
             return fitting[0]
         if fitting:
-            raise InputError(
-                recording.provenance.file,
-                [f"more than one channel may be the ball's height: {', '.join(fitting)}; name one"],
-            )
+            raise InputError(recording.provenance.file, [_several(recording, fitting)])
     return found[0][0] if len(found) == 1 else None
+
+
+def _several(recording: Recording, names: Sequence[str]) -> str:
+    """What is said of several heights: the line that chooses the first of them."""
+    stream, full = recording.find(names[0])
+    column = recording.streams[stream].channels[full].raw
+    unit = next(c.raw_unit for c in recording.provenance.conversions if c.channel == full)
+    place = quoted(column if len(recording.streams) == 1 else f"{stream}/{column}")
+    line = channels_line(f"height: {{column: {place}, unit: {quoted(unit)}}}")
+    return (
+        f"more than one channel may be the ball's height: {', '.join(names)}. Write the line"
+        f" '{line}', with the column of your ball, {_INTO_MAP}"
+    )
 
 
 def _count(number: int) -> str:
