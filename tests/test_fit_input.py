@@ -92,6 +92,22 @@ def test_flights_that_become_longer_are_none_of_a_ball(tmp_path):
     assert "the data tell no restitution: the bounces do not become lower" in fault
 
 
+@pytest.mark.parametrize(
+    ("heading", "bounces"),
+    [
+        ("bounce,interval (s)", [0.4] * 6),
+        ("bounce,rebound_height (m)", [0.5] * 6),
+        ("bounce,impact_time (s)", [0.4 * k for k in range(1, 7)]),
+    ],
+)
+def test_flights_that_are_all_equal_have_no_restitution(tmp_path, heading, bounces):
+    (fault,) = faults_of(table(tmp_path / "equal.csv", bounces, heading))
+    assert fault.startswith(
+        "the data tell no restitution: the bounces do not become lower, which would be a"
+        " restitution of 1 or beyond"
+    )
+
+
 @pytest.mark.parametrize("u_s", [10.0, 1e9])
 def test_without_any_information_there_is_no_number(drop, u_s):
     (fault,) = faults_of(drop, u_time_s=u_s)

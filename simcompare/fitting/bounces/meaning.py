@@ -5,9 +5,8 @@ from __future__ import annotations
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.fitting.bounces.averaging import Averaged
-from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.roles import Roles
-from simcompare.fitting.bounces.unknowns import base, own_drop
+from simcompare.fitting.bounces.unknowns import BOUNDS, base, own_drop
 
 
 def check(laws: Averaged, roles: Roles) -> None:
@@ -16,14 +15,15 @@ def check(laws: Averaged, roles: Roles) -> None:
     sources = ", ".join(dict.fromkeys(drop.source for drop in best.problem.drops if drop.source))
     faults = _heights(laws, roles)
     is_far = any(base(name) == "drop_height_m" for name in best.at_bound)
-    if "restitution" in best.at_bound and not (is_far and faults):
-        faults = [_no_restitution(best)]
+    least = min(best.restitution_at(speed)[0] for speed in best.speeds_m_s)
+    is_lossless = least > BOUNDS["restitution"][1]
+    if (is_lossless or "restitution" in best.at_bound) and not (is_far and faults):
+        faults = [_no_restitution(least if is_lossless else best.as_dict()["restitution"])]
     if faults:
         raise InputError(sources or "fit", faults)
 
 
-def _no_restitution(best: Fit) -> str:
-    value = best.as_dict()["restitution"]
+def _no_restitution(value: float) -> str:
     seen = "do not become lower" if value > 0.5 else "end at once"
     return (
         f"the data tell no restitution: the bounces {seen}, which would be a restitution of"
