@@ -226,6 +226,20 @@ def test_a_ball_that_loses_almost_nothing_is_followed(restitution, u_s):
     assert drop.numbers == tuple(range(1, 11))
 
 
+@pytest.mark.parametrize(("separator", "mark"), [(",", "."), (";", ",")])
+def test_a_table_without_headings_is_told_which_there_are(tmp_path, separator, mark):
+    rows = [f"{k}{separator}{t:.6f}".replace(".", mark) for k, t in enumerate(FLIGHTS, start=1)]
+    path = tmp_path / "bare.csv"
+    path.write_text("\n".join(rows), encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        drops_of(path, None, None, 9.80665)
+    (fault,) = error.value.faults
+    assert fault.endswith("known are bounce, impact_time_s, interval_s, rebound_height_m")
+    path.write_text("\n".join([fault.split("'")[1], *rows]), encoding="utf-8")
+    (drop,) = drops_of(path, None, None, 9.80665)
+    assert drop.intervals_s == pytest.approx(FLIGHTS, abs=1e-6)  # written with six decimals
+
+
 # ---- tracks without units -----------------------------------------------------------------------
 
 

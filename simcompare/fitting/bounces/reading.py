@@ -50,6 +50,8 @@ def drops_of(
     path = published.tables().get(str(name), Path(name))
     if tables.is_table(path):
         return [tables.read(path, u_s)]
+    if mapping is None:
+        tables.check_headings(path)
     source = sources.find(str(name), mapping=mapping)
     return list(from_recording(source.recording, u_s=u_s, gravity_m_s2=gravity_m_s2))
 

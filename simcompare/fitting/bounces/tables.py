@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.fitting.bounces.impacts import CLOCKED, INTERVALS, MAX_COUNT, TABLE, Impacts
+from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text.sniff import split
 from simcompare.hardware.recordings import bounce_headings, bounce_table
 from simcompare.hardware.recordings.bounce_headings import HEIGHT, INSTANT, INTERVAL
@@ -34,15 +35,38 @@ _U_DROP_M = 5e-4
 
 def is_table(path: Path) -> bool:
     """Whether a file is a table of bounces, by its headings."""
+    lines = _lines(path)
+    return bool(lines) and bounce_headings.is_table(
+        split(lines[0], max(",;\t", key=lines[0].count))
+    )
+
+
+def check_headings(path: Path) -> None:
+    """Raises ``InputError`` where a table begins with its first bounce, without headings."""
+    lines = _lines(path)
+    # where a semicolon separates, commas are decimal marks
+    separator = next((mark for mark in "\t;" if mark in "".join(lines[:1])), ",")
+    cells = [split(line, separator) for line in lines]
+    numbers = [[_cell.number(cell.replace(",", ".")) for cell in row] for row in cells]
+    counted = [row[0] for row in numbers if len(row) > 1 and None not in row]
+    if not lines or len(counted) < len(lines) or counted[0] not in (0, 1):
+        return
+    if len(counted) <= MAX_COUNT and np.all(np.diff(np.array(counted)) == 1):
+        known = ", ".join(f"{name}{units.suffix_for(_KNOWN[name])}" for name in _USED)
+        raise InputError(path.name, [
+            "has no headings. If each row is a bounce, write what the columns hold above them,"
+            f" such as 'bounce{separator}interval_s'; known are bounce, {known}"
+        ])  # fmt: skip
+
+
+def _lines(path: Path) -> list[str]:
+    """The first lines of a file, remarks left out."""
     try:
         with path.open("rb") as file:
-            lines = bounce_table.decoded(file.read(4096), errors="replace").splitlines()
+            text = bounce_table.decoded(file.read(4096), errors="replace")
     except OSError:
-        return False
-    heads = [line for line in lines if line.strip() and not line.startswith("#")]
-    return bool(heads) and bounce_headings.is_table(
-        split(heads[0], max(",;\t", key=heads[0].count))
-    )
+        return []
+    return [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
 
 
 def read(path: Path, u_s: float | None = None) -> Impacts:
