@@ -268,3 +268,19 @@ def test_drag_of_vacuum_is_no_input_of_an_uncertainty():
     for coefficient, listed in ((0.0, False), (0.47, True)):
         known = inputs.of_scenario(file, {**given, "drag_coefficient": coefficient}, {}, {})
         assert ("drag_coefficient" in [one.name for one in known]) == listed
+
+
+AGAINST = "The drag of the settings, a terminal speed of 8.64 ± 0.5 m/s, contradicts the data"
+
+
+@pytest.mark.parametrize(("speed_m_s", "told"), [(np.inf, 1), (8.64, 0)])
+def test_a_drag_of_the_settings_that_the_data_exclude_is_told(tmp_path, speed_m_s, told):
+    path = tmp_path / "drop.csv"
+    truth = {**TRUTH, "terminal_speed_m_s": speed_m_s}
+    flights = np.diff(times_of(truth, 8, "constant+drag"))
+    rows = [f"{k},{flight:.6f}" for k, flight in enumerate(flights, start=1)]
+    path.write_text("\n".join(["bounce,interval_s", *rows]), encoding="utf-8")
+    found = simcompare.fit(
+        "ball", recordings=[path], engine="pymunk", set={"drag_coefficient": 0.47}
+    )
+    assert sum(text.startswith(AGAINST) for text in found.record.fit.sentences) == told

@@ -23,7 +23,8 @@ _RULES = {
 def worded(fit: BouncesFit) -> BouncesFit:
     """The record of a fit with all its sentences."""
     closed = fit.closed_form
-    closed = replace(closed, warnings=form_words.warnings(closed))
+    against = form_words.drag(fit.choice, closed)
+    closed = replace(closed, warnings=(*against, *form_words.warnings(closed)))
     kinds = {drop.kind for drop in fit.measured}
     recorded = kinds.pop() if len(kinds) == 1 else "recording"
     known = identifiability_words.of_bounces(

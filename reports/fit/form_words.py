@@ -52,6 +52,17 @@ def _bounds(form: Form) -> list[str]:
     return words
 
 
+def drag(found: Choice, best: Form) -> tuple[str, ...]:
+    """What is said where laws without the drag of the settings are much better."""
+    if found.drag_excess is None or found.drag_excess <= EXCLUDED:
+        return ()
+    prior = best.priors[_SPEED]
+    return (f"the drag of the settings, a terminal speed of {prior.value:.3g} ± {prior.u:.2g} m/s,"
+            " contradicts the data: a law without drag describes them much better (its AIC is"
+            f" lower by {found.drag_excess:.1f}). Leave the drag out, or give the terminal speed of"
+            " your ball with --prior",)  # fmt: skip
+
+
 def _scatter(form: Form) -> list[str]:
     if not form.u_known:
         return ["the recording states no uncertainty; it was taken from the scatter about the"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from simcompare.comparison.comparison import INFO, Score
@@ -14,6 +14,7 @@ from simcompare.engine.helps import known
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import (
     assumed,
+    drag_of_settings,
     holdout,
     limits,
     meaning,
@@ -125,6 +126,9 @@ def fit_bounces(
         roles, choice, plain, found, predicted, (drops, held),
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
+    if request.model == "auto":
+        against = drag_of_settings.excess(choice, constraints)
+        found_fit = replace(found_fit, choice=replace(found_fit.choice, drag_excess=against))
     height = next((row.value for name, row in found_fit.closed_form.parameters.items()
                    if base(name) == DROP_HEIGHT), None)  # fmt: skip
     if height is not None:  # the height that is told, in the head as well

@@ -127,8 +127,8 @@ def compare(
         # what the form with the fewest unknowns needs, all others need too
         sources = ", ".join(dict.fromkeys(drop.source for drop in every if drop.source))
         raise InputError(sources or "fit", [next(iter(refused.values()))])
-    scatter, dof = _scatter(list(fits.values()))
-    candidates = _weighed([_candidate(name, one, scatter, dof) for name, one in fits.items()])
+    scatter, dof = scatter_of(list(fits.values()))
+    candidates = _weighed([candidate(name, one, scatter, dof) for name, one in fits.items()])
     best = candidates[0]
     names = list(best.fit.names) if len(every) == 1 else _usual(every, model_of(best.model), extra)
     profiled = fit(
@@ -174,7 +174,7 @@ def _told_apart(found: Fit) -> Fit:
     return found
 
 
-def _scatter(fits: Sequence[Fit]) -> tuple[float, int]:
+def scatter_of(fits: Sequence[Fit]) -> tuple[float, int]:
     """What the richest model that can show any scatter has left, with its degrees of freedom.
 
     Where u is stated, scatter that chance explains is none: 1 and 0.
@@ -188,7 +188,7 @@ def _scatter(fits: Sequence[Fit]) -> tuple[float, int]:
     return richest.s2, richest.dof
 
 
-def _candidate(name: str, one: Fit, scatter: float, dof: int) -> Candidate:
+def candidate(name: str, one: Fit, scatter: float, dof: int) -> Candidate:
     """A model with its criteria, not yet weighed."""
     # what a form takes out of what is assumed, such as gravity, is no better fit
     # a drag that ended at 0 was sought as well

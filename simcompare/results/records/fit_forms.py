@@ -190,6 +190,8 @@ class Choice:
         refused: name of a form -> why it could not be fitted.
         candidates: best first.
         disagree: whether forms that fit about as well give restitutions beyond their intervals.
+        drag_excess: by how much Akaike's criterion is less without the drag of the settings;
+            ``None`` where these have none.
     """
 
     chosen: str
@@ -199,6 +201,7 @@ class Choice:
     refused: Mapping[str, str]
     candidates: tuple[Candidate, ...]
     disagree: bool = False
+    drag_excess: float | None = None
 
     @property
     def rivals(self) -> tuple[Candidate, ...]:
