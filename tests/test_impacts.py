@@ -304,7 +304,7 @@ def test_a_recording_of_something_else_is_refused_with_what_it_holds():
 def test_two_heights_must_be_told_apart():
     time, height = filmed_samples()
     held = {"left_height_m": (height, "m", None), "right_height_m": (height, "m", None)}
-    with pytest.raises(InputError, match=r"left_height_m, a/right_height_m; name one"):
+    with pytest.raises(InputError, match=r"left_height_m, a/right_height_m\. Write the line"):
         from_recording(recording({"a": (time, held)}))
 
 

@@ -267,7 +267,8 @@ def _several(recording: Recording, names: Sequence[str]) -> str:
     """What is said of several heights: the line that chooses the first of them."""
     stream, full = recording.find(names[0])
     column = recording.streams[stream].channels[full].raw
-    unit = next(c.raw_unit for c in recording.provenance.conversions if c.channel == full)
+    conversions = recording.provenance.conversions
+    unit = next((c.raw_unit for c in conversions if c.channel == full), "m")
     place = quoted(column if len(recording.streams) == 1 else f"{stream}/{column}")
     line = channels_line(f"height: {{column: {place}, unit: {quoted(unit)}}}")
     return (
