@@ -123,7 +123,7 @@ def fit_bounces(
     start = plain.fit
     scene = file.resolve(roles.values(start.problem.values(start.x, 0)), step_s=step_s)
     found_fit = records.of_fit(
-        roles, choice, plain, found, predicted, (drops, held),
+        roles, choice, laws, plain, found, predicted, (drops, held),
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
     if request.model == "auto":

@@ -11,7 +11,7 @@ import numpy as np
 from simcompare import units
 from simcompare.fitting.bounces import bounce_models, model_selection, other_estimates, plot_data
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
-from simcompare.fitting.bounces.averaging import Averaged, alone, averaged
+from simcompare.fitting.bounces.averaging import Averaged, alone
 from simcompare.fitting.bounces.bootstrap import parametric
 from simcompare.fitting.bounces.budget import budgets
 from simcompare.fitting.bounces.deviations import Deviation
@@ -73,6 +73,7 @@ class Made:
 def of_fit(
     roles: Roles,
     choice: model_selection.Choice,
+    told: Averaged,
     plain: OneNumber,
     engines: Sequence[EngineFit],
     predicted: Holdout,
@@ -84,6 +85,7 @@ def of_fit(
     Args:
         roles: the scenario.
         choice: the closed forms and which was chosen.
+        told: what they say together.
         plain: the closed form with the one restitution that engines have.
         engines: what each engine must be given.
         predicted: the held-out drops.
@@ -91,7 +93,7 @@ def of_fit(
         made: how engines were fitted.
     """
     best = choice.best
-    known, told = identifiability(best), averaged(choice)
+    known = identifiability(best)
     form = form_of(best, told)
     sources = tuple(_source(one, form, predicted, not known.is_weak) for one in engines)
     return BouncesFit(
