@@ -78,11 +78,12 @@ class Trial:
         found = segments_of(self.model.file, self.plan, read.recording, streams, read.overrides)
         return found[0]
 
-    def pairs(self, read: Read) -> Iterator[tuple[Array, Array]]:
-        """What was measured of each judged probe, and what the reference says."""
+    def pairs(self, read: Read, channel: str = "") -> Iterator[tuple[Array, Array]]:
+        """What was measured of each judged probe (of one channel), and what the reference says."""
         segment = self.segment(read)
         for probe, seen in segment.observed.items():
-            if self.plan.compare[probe].judged:
+            one = self.plan.compare[probe]
+            if one.judged and channel in ("", one.channel):
                 every = max(1, len(seen.values) // MOST_SAMPLES)
                 truth = self.model.at(segment, probe, self.fitted, seen.time_s[::every])
                 yield seen.values[::every], truth
@@ -210,8 +211,10 @@ def _zero(trial: Trial, name: str, read: Read) -> Change[Read] | None:
     by_rad = 0.0
     for _ in range(ROUNDS):
         try:
-            pairs = list(trial.pairs(_changed(name, 1.0, by_rad, "", read).value))
+            pairs = list(trial.pairs(_changed(name, 1.0, by_rad, "", read).value, name))
         except SimcompareError:
+            return None
+        if not pairs:  # nothing judges this angle
             return None
         by_rad -= float(np.mean([np.nanmean(ours - theirs) for ours, theirs in pairs]))
     if not LEAST_ZERO_RAD < abs(by_rad) < math.pi:
