@@ -84,11 +84,18 @@ def misfit(one: Driven) -> float:
 
 
 def apart(path: Array, place: Array) -> float:
-    """Root mean square distance of two paths after the best turn and shift of one (Kabsch)."""
+    """Root mean square distance of two paths after the best turn and shift of one."""
     ours, true = path - path.mean(axis=0), place - place.mean(axis=0)
-    u, _, v = np.linalg.svd(ours.T @ true)
-    turn = u @ np.diag((1.0, np.sign(np.linalg.det(u @ v)))) @ v
-    return math.sqrt(float(np.mean(np.sum((ours @ turn - true) ** 2, axis=1))))
+    turn = turn_between(ours, true)
+    cosine, sine = math.cos(turn), math.sin(turn)
+    turned = ours @ np.array([[cosine, sine], [-sine, cosine]])
+    return math.sqrt(float(np.mean(np.sum((turned - true) ** 2, axis=1))))
+
+
+def turn_between(ours: Array, true: Array) -> float:
+    """The turn about the origin that brings places (n, 2) nearest to others [rad]."""
+    x, y = ours.T
+    return math.atan2(float(np.sum(x * true[:, 1] - y * true[:, 0])), float(np.sum(ours * true)))
 
 
 @dataclass(frozen=True)
@@ -193,9 +200,7 @@ def _best_turned(cures: Cures, one: Driven) -> Change[Driven] | None:
     if one.start is None or not misfit(one) > 3 * one.u_place_m:
         return None
     ours, true = one.path_m - one.start[:2], one.place_m - one.start[:2]
-    turn = math.atan2(
-        float(np.sum(ours[:, 0] * true[:, 1] - ours[:, 1] * true[:, 0])), float(np.sum(ours * true))
-    )
+    turn = turn_between(ours, true)
     if abs(turn) < max(LEAST_TURN_RAD, 5 * one.u_heading_rad):
         return None
     return _turned(cures, turn, one, f"{math.degrees(turn):.0f}°")
