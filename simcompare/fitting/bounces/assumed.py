@@ -4,8 +4,8 @@ Gravity and drag are the scenario's: their uncertainty is stated there.
 
 A quartz is offered with ±20 ppm at room temperature; with temperature, age and its load an
 oscillator of a sound card stays within ±100 ppm (http://psn.quake.net/psnlist/060711_090558_1.html).
-Two of three telephones differed by 3 ppm, the third by 270 ppm
-(https://protyposis.net/clockdrift/user-guide/). So u = 50 ppm, of which ±100 ppm are 95 %.
+So u = 50 ppm, of which ±100 ppm are 95 %. A device may lie outside: two of three telephones
+differed by 3 ppm, the third by 270 ppm (https://protyposis.net/clockdrift/user-guide/).
 
 A camera's frame rate is often rounded: "30" stands for 30/1.001 as well, which is 0.1 % less
 (SMPTE ST 170). The length of a video comes from a rod in the picture. That it is true to ±1 % is an
@@ -24,7 +24,7 @@ from simcompare.results.records.fit_forms import Prior
 
 QUARTZ = Prior(
     0.0, 50e-6, "a quartz of a telephone, sound card or stopwatch: ±100 ppm with 95 %",
-    "https://protyposis.net/clockdrift/user-guide/",
+    "http://psn.quake.net/psnlist/060711_090558_1.html",
 )  # fmt: skip
 FRAMES = Prior(
     0.0, 1e-3 / math.sqrt(3), "a frame rate of 30 may be 30/1.001: ±0.1 %", "SMPTE ST 170"
