@@ -3,9 +3,10 @@
 The motion is the richest closed form: a power law, drag and a scale of the picture. It begins with
 two flights between kinks, and one flight after the other is added as it foretells them. A flight
 begins and ends where the fitted motion meets the floor, so cut and fit are repeated until neither
-changes. A sample is rejected only where no ball in free flight can be, whatever the law of
-restitution: the samples of a flight deviate from the motion by a straight line, for the flight's
-own apex may have another time and height.
+changes. A flight is used where it lies near the place that the flights before it foretell, to a
+tenth of its height. Within a flight a sample is rejected only where no ball in free flight can be,
+whatever the law of restitution: the samples deviate from the motion by a straight line, for the
+flight's own apex may have another time and height.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ _GUARD = 0.1
 _REPEATS = 12
 #: flights in between that may be hidden
 _HIDDEN = 1
-#: samples scatter about their flight by chance
+#: chance of a scatter about an arc below which it is no flight
 _RARE = 1e-6
 #: nothing flies where chi squared of a flight is so much above that of a straight line
 _STRAIGHT = 4.0
