@@ -3,8 +3,9 @@
 The uncertainty itself is that which is told: over all laws, with a drag that cannot be below 0. A
 fit is near its minimum linear in the means of the priors: when that of a prior with the uncertainty
 u moves by one u, the estimates move by C·e/u, where C is their covariance and e picks the unknown.
-Between laws the squared distances from their mean are added (law of total variance). The rest is
-due to the data.
+Between laws that tell the quantity the squared distances from their mean are added (law of total
+variance). The rest is due to the data; of a terminal speed it also holds that some laws have no
+drag.
 """
 
 from __future__ import annotations
