@@ -14,7 +14,16 @@ from simcompare.errors import InputError
 from simcompare.hardware import joints, proposed_time
 from simcompare.hardware.logs import profiles
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text import clocks, console, restarts, rostopic, side_by_side, sniff
+from simcompare.hardware.logs.text import (
+    clocks,
+    console,
+    kinds,
+    restarts,
+    rostopic,
+    sections,
+    side_by_side,
+    sniff,
+)
 from simcompare.hardware.logs.text import dates as _dates
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
@@ -22,7 +31,7 @@ from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.logs.text.state import Table
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
-from simcompare.model.recording import INFO, Clock, Repair
+from simcompare.model.recording import INFO, REPAIR, Clock, Repair
 
 TITLE = "a table of text (CSV)"
 
@@ -44,8 +53,7 @@ def recognises(head: Head) -> int:
     if not lines or lines[0].lstrip().startswith(("{", "<", "[{", "[[")):
         return 0
     try:
-        source = console.unrolled(_source.source_of(head.path))
-        layout = sniff.sniff(source)
+        layout = sniff.sniff(_parts(_source.source_of(head.path))[0].source)
     except InputError as error:
         # a table in which something is wrong: its reader says what
         return 5 if any("line " in fault for fault in error.faults) else 0
@@ -60,7 +68,54 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     Raises:
         InputError: every fault with its line and column, up to twenty, then their number.
     """
-    return read_source(console.unrolled(_source.source_of(path)), mapping)
+    parts = _parts(_source.source_of(path))
+    if len(parts) == 1:
+        log = read_source(parts[0].source, mapping)
+        log.repairs += parts[0].repairs
+        return log
+    return _together(str(path), parts, mapping)
+
+
+def _parts(source: _source.Source) -> list[_source.Part]:
+    """The tables of a file: by the kinds of its rows, or below each other."""
+    plain = console.unrolled(source)
+    if plain.labels:
+        return [_source.Part("", plain)]
+    of_kinds = [replace(p, source=console.unrolled(p.source)) for p in kinds.of(plain)]
+    return of_kinds or sections.of(plain)
+
+
+def _together(label: str, parts: Sequence[_source.Part], mapping: Mapping) -> RawLog:
+    """A stream for each part; one that is no table, or has no clock, is left out and told."""
+    log = RawLog([])
+    without: list[RawStream] = []
+    for part in parts:
+        log.repairs += part.repairs
+        try:
+            one = read_source(part.source, mapping)
+        except InputError as error:
+            fault = error.faults[0]
+            log.repairs.append(_no_stream(part.name, fault))
+            continue
+        for stream in one.streams:
+            several = len(one.streams) > 1
+            stream.name = f"{part.name}_{stream.name}" if several else part.name
+            timed = stream.time is not None or stream.increment_s or stream.name in mapping.streams
+            (log.streams if timed else without).append(stream)
+        told = (r for r in one.repairs if r not in log.repairs and r.rule != "blank_line")
+        log.repairs += [replace(r, stream=part.name) for r in told]
+        log.ignored |= {f"{part.name}/{name}": why for name, why in one.ignored.items()}
+        log.about |= {**one.about, **log.about}
+    if log.streams:
+        log.repairs += [_no_stream(s.name, "no column of it is a time") for s in without]
+    log.streams = log.streams or without
+    if not log.streams:
+        read_source(parts[0].source, mapping)  # raises what is wrong with it
+    return log
+
+
+def _no_stream(name: str, why: str) -> Repair:
+    return Repair("left_out_table", REPAIR, f"table {name} was left out: {why}"[:300])
 
 
 def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
@@ -113,7 +168,7 @@ def _stream(
 
 def _named_by_numbers(source: _source.Source, layout: Layout) -> Layout:
     """Names for columns without a header, where the first rows tell what they are."""
-    lines = source.head[layout.first_line - 1 :][:_FIRST_ROWS]
+    lines = source.head_from(layout.first_line)[:_FIRST_ROWS]
     cells = [sniff.split(line, layout.separator) for line in lines if line.strip()]
     rows = [_cell.numbers(row, layout.decimal) for row in cells]
     names = profiles.name([row.tolist() for row in rows if row is not None])
@@ -157,10 +212,11 @@ def _is_time_unit(unit: str) -> bool:
 
 def _with_integer_stamps(source: _source.Source, layout: Layout, times: Sequence[int]) -> Layout:
     """Stamps of 16 digits and more are read as whole numbers: a float would round them."""
-    if layout.first_line > len(source.head):
+    rows = source.head_from(layout.first_line)
+    if not rows:
         return layout
     kinds = list(layout.kinds)
-    cells = sniff.split(source.head[layout.first_line - 1], layout.separator)
+    cells = sniff.split(rows[0], layout.separator)
     ros = [0] if layout.names[0][0] == "%time" else []
     for k in [*times, *ros]:
         if kinds[k] == "number" and k < len(cells) and re.fullmatch(r"\s*\d{16,19}\s*", cells[k]):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -155,7 +155,8 @@ def _add(
     """Adds the streams of one segment."""
     separator = _separator(source.label, general)
     x_columns = (general.get("X_Columns") or ["One"])[0].strip().lower() or "one"
-    table = _table.read(source, _layout(source.label, general, segment, separator, x_columns))
+    layout = _layout(source.label, general, segment, separator, x_columns)
+    table = _table.read(replace(source, last=segment.last), layout)
     log.repairs += table.repairs
     log.ignored.update({f"{prefix}/{name}": why for name, why in table.ignored.items() if name})
     log.ignored.pop(f"{prefix}/X_Value", None)
@@ -229,7 +230,7 @@ def _layout(
     is_stated = stated in (".", ",")
     marks = (stated, "", True) if is_stated else decimal_marks(label, rows, kinds, full)
     return Layout(separator, segment.first, tuple(kinds), full, *marks, header_line=1,
-                  stop_line=segment.last, short_rows=True)  # fmt: skip
+                  short_rows=True)  # fmt: skip
 
 
 def _clock(segment: _Segment, i: int) -> str:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from simcompare.hardware.logs.text import source as _source
 
@@ -42,15 +41,8 @@ def unrolled(source: _source.Source) -> _source.Source:
     names = _labels(rests)
     if names:
         labels = [*([(STAMP, "")] if stamped else []), *names]
-        return _rewritten(source, _of_labels([n for n, _ in names], stamped=stamped), labels)
-    return _rewritten(source, _of_stamps(_separator(rests)), ()) if stamped else source
-
-
-def _rewritten(
-    source: _source.Source, line: Callable[[str], str], labels: Sequence[tuple[str, str]]
-) -> _source.Source:
-    head = tuple(map(line, source.head))
-    return replace(source, head=head, rewrite=line, labels=tuple(labels))
+        return source.rewritten(_of_labels([n for n, _ in names], stamped=stamped), labels)
+    return source.rewritten(_of_stamps(_separator(rests))) if stamped else source
 
 
 def _mostly(fits: Sequence[bool]) -> bool:

@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
@@ -39,7 +40,6 @@ class Layout:
         header_line: its number, 0 where there is none.
         preamble: lines above the header.
         styles: how columns of dates write them.
-        stop_line: number of the last row, 0 for all.
         short_rows: whether rows may end early.
     """
 
@@ -54,7 +54,6 @@ class Layout:
     header_line: int = 0
     preamble: tuple[str, ...] = ()
     styles: dict[int, DateStyle] = field(default_factory=dict)
-    stop_line: int = 0
     short_rows: bool = False
 
 
@@ -99,10 +98,13 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
     Raises:
         InputError: there is no table, or it can be read in two ways.
     """
-    lines = list(source.head[:_MAX_LINES])
-    rows = [i for i, line in enumerate(lines) if line.strip() and not is_comment(line)]
+    full = (i for i, line in enumerate(source.head) if line.strip() and not is_comment(line))
+    rows = list(islice(full, _MAX_LINES))
+    lines = source.head[: rows[-1] + 1 if len(rows) == _MAX_LINES else None]
+    at = source.first  # number of the first line
     if len(rows) > 2 and source.complete and _is_cut(lines, rows):
         rows = rows[:-1]
+    rows = _without_text_below(lines, rows)
     separator = _separator([lines[i] for i in rows])
     cells = {i: split(lines[i], separator) for i in rows}
     width = _width([cells[i] for i in rows])
@@ -112,7 +114,7 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
         shown = ", ".join(cells[rows[0]])[:80]
         raise InputError(
             source.label,
-            [f"line {rows[0] + 1}: has a header ({shown}) and no rows; the log ends before its"
+            [f"line {rows[0] + at}: has a header ({shown}) and no rows; the log ends before its"
              " first sample"],
         )  # fmt: skip
     if first is None or not {"number", "list"} & set(kinds):
@@ -130,20 +132,20 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
         above = [_group_line(lines[i], separator, width) for i in range(header - 1, -1, -1)]
         head_cells, below = groups.named(_wide(lines[header], separator, width), below, above)
     names = _cell.headings((head_cells + [""] * width)[:width], below, keep)
-    body = [(i + 1, cells[i]) for i in rows if i >= first and len(cells[i]) == width]
+    body = [(i + at, cells[i]) for i in rows if i >= first and len(cells[i]) == width]
     decimal, thousands, decided = marks(source.label, body, kinds, names)
     styles = {k: s for k in range(width) if kinds[k] == "date"
               for s in [style_of([row[k] for _, row in body])] if s}  # fmt: skip
     return Layout(
         separator,
-        first + 1,
+        first + at,
         tuple(_final(kinds, k, head_cells, styles) for k in range(width)),
         tuple(names),
         decimal,
         thousands,
         decided,
         "" if header is None else lines[header],
-        0 if header is None else header + 1,
+        0 if header is None else header + at,
         tuple(lines[: first if header is None else header]),
         styles,
     )
@@ -164,6 +166,15 @@ def _is_header_alone(cells: dict[int, list[str]], width: int) -> bool:
 def _is_cut(lines: Sequence[str], rows: Sequence[int]) -> bool:
     """Whether the last row has no line end, so that it may be cut."""
     return rows[-1] == len(lines) - 1
+
+
+def _without_text_below(lines: Sequence[str], rows: list[int]) -> list[int]:
+    """Lines up to the last one that holds more numbers than words."""
+    for count in range(len(rows), 0, -1):
+        kinds = [kind_of(cell) for cell in re.split(r"[,;|\s]+", lines[rows[count - 1]]) if cell]
+        if sum(kind in ("number", "date", "list") for kind in kinds) >= len(kinds) / 2:
+            return rows[:count]
+    return rows
 
 
 def _separator(lines: Sequence[str]) -> str:
@@ -201,7 +212,7 @@ def _kinds(rows: Sequence[Sequence[str]], width: int) -> list[str]:
     return kinds
 
 
-def _fits(cells: Sequence[str], kinds: Sequence[str]) -> bool:
+def fits(cells: Sequence[str], kinds: Sequence[str]) -> bool:
     """Whether a line is a row: every cell is of its column's kind, and not all are text."""
     if len(cells) != len(kinds):
         return False
@@ -214,7 +225,7 @@ def _fits(cells: Sequence[str], kinds: Sequence[str]) -> bool:
 
 def _first(rows: Sequence[int], cells: dict[int, list[str]], kinds: Sequence[str]) -> int | None:
     """The first row that the next line follows as one, so that it is no line of a head."""
-    fitting = [_fits(cells[i], kinds) for i in rows]
+    fitting = [fits(cells[i], kinds) for i in rows]
     for k, i in enumerate(rows):
         if fitting[k] and (k + 1 == len(rows) or fitting[k + 1]):
             return i
@@ -280,7 +291,8 @@ def _header(
         return above[0], None
     if is_comment(lines[above[0]]) or len(heads[0]) < min(width, 2):
         return None, None
-    text = f"the header (line {above[0] + 1}) has {len(heads[0])} cells but the rows below have"
+    at = above[0] + source.first
+    text = f"the header (line {at}) has {len(heads[0])} cells but the rows below have"
     cure = "give every column one name"
     if separator == "," and width == 2 * len(heads[0]):
         cure = "the comma seems to be the decimal mark too; export again with another separator"

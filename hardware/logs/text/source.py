@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import codecs
 import io
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.binary import zip_guard
-from simcompare.hardware.raw import IMPORT
+from simcompare.hardware.raw import IMPORT, told_apart
 from simcompare.model.recording import INFO, Repair
 
 #: bytes by which encoding and layout are found
@@ -39,6 +40,8 @@ class Source:
         repairs: what was noticed so far.
         rewrite: makes a line of a table of each, where a console wrote it.
         labels: names and units of the columns that stood beside the values.
+        first: number of the first line of the head; a part of a file may begin later.
+        last: number of its last line, 0 for that of the file.
     """
 
     label: str
@@ -51,6 +54,42 @@ class Source:
     repairs: tuple[Repair, ...]
     rewrite: Callable[[str], str] | None = None
     labels: tuple[tuple[str, str], ...] = ()
+    first: int = 1
+    last: int = 0
+
+    def head_from(self, line: int) -> tuple[str, ...]:
+        """Lines of the head from one on, which is counted in the file."""
+        return self.head[line - self.first :]
+
+    def rewritten(
+        self, line: Callable[[str], str], labels: Sequence[tuple[str, str]] = ()
+    ) -> Source:
+        """The same with each line made into another one."""
+        before = self.rewrite
+        both = (lambda text: line(before(text))) if before else line
+        head = tuple(map(line, self.head))
+        return replace(self, head=head, rewrite=both, labels=tuple(labels))
+
+
+@dataclass(frozen=True)
+class Part:
+    """One of several tables in a file.
+
+    Attributes:
+        name: of its stream, empty where it is the only one.
+        source: its lines.
+        repairs: what was left out beside it.
+    """
+
+    name: str
+    source: Source
+    repairs: tuple[Repair, ...] = ()
+
+
+def named(words: Sequence[str]) -> list[str]:
+    """Names of streams, each once, made of what stands in a file."""
+    plain = (re.sub(r"\W+", "_", word.lower()).strip("_") or "table" for word in words)
+    return [name.replace(" ", "_") for name in told_apart(plain)]
 
 
 @dataclass(frozen=True)
@@ -166,6 +205,8 @@ def blocks(source: Source, first_line: int = 1) -> Iterator[Block]:
             lines = [line.rstrip("\r") for line in (lines if ended else [*lines, rest])]
             lines = [*map(source.rewrite, lines)] if source.rewrite else lines
             start = max(number, first_line)
-            if lines[start - number :]:
-                yield Block(start, lines[start - number :], ended)
+            wanted = lines[start - number : source.last - number + 1 if source.last else None]
+            if wanted:
+                yield Block(start, wanted, ended or len(wanted) < len(lines) - (start - number))
             number += len(lines)
+            is_last = is_last or 0 < source.last < number

@@ -86,8 +86,6 @@ class _Reader:
     def table(self) -> Table:
         state, layout = self.state, self.layout
         for block in _source.blocks(self.source, layout.first_line):
-            if layout.stop_line and block.line > layout.stop_line:
-                break
             self._take(block)
             if len(self.odd) > _MAX_FAULTS:
                 break
@@ -108,10 +106,8 @@ class _Reader:
         """Adds the rows of one block."""
         rows: list[list[str]] = []
         numbers: list[int] = []
-        stop = self.layout.stop_line
-        lines = block.lines[: stop - block.line + 1] if stop else block.lines
         last = block.line + len(block.lines) - 1
-        for at, line in enumerate(lines, start=block.line):
+        for at, line in enumerate(block.lines, start=block.line):
             reason = self._skipped(line)
             if reason:
                 self.state.skip(reason, at)
@@ -191,8 +187,8 @@ class _Reader:
         layout = self.layout
         if layout.kinds[-1] != "number":
             return False
-        first = layout.first_line - 1
-        above = self.source.head[first : min(line - 1, first + _COMPARED)]
+        first = layout.first_line
+        above = self.source.head_from(first)[: min(line - first, _COMPARED)]
         cells = [split(text, layout.separator) for text in above if text.strip()]
         usual = {
             _decimals(row[-1], layout.decimal) for row in cells if len(row) == len(layout.kinds)
@@ -292,7 +288,7 @@ class _Reader:
 
     def _example(self, k: int) -> str:
         """The first text of a column."""
-        for line in self.source.head[self.layout.first_line - 1 :]:
+        for line in self.source.head_from(self.layout.first_line):
             cells = split(line, self.layout.separator)
             if k < len(cells) and cells[k].strip():
                 return f"holds text such as {cells[k].strip()[:40]!r}"
