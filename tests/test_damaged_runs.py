@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 import duckdb
 import pytest
@@ -29,8 +30,16 @@ def run(stored):
     (folder / "trajectories.parquet").write_bytes(samples)
 
 
+def without_digests(folder):
+    """Makes the record of a run one of an older simcompare, which told nothing of its tables."""
+    path = folder / "run.json"
+    record = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps({**record, "tables": {}}), encoding="utf-8")
+
+
 def edit(folder, query):
-    """Puts what a query gives of the samples in their place."""
+    """Puts what a query gives of the samples in their place, and says that nobody knows."""
+    without_digests(folder)
     path = folder / "trajectories.parquet"
     changed = folder / "changed.parquet"
     with duckdb.connect() as connection:
@@ -70,13 +79,28 @@ def test_samples_that_are_none_are_told_with_the_file(run, query, words):
 
 
 @pytest.mark.parametrize("part", [0, 1, 4, 1000])
-def test_samples_that_are_cut_are_told(run, part):
+@pytest.mark.parametrize("is_old", [False, True])
+def test_samples_that_are_cut_are_told(run, part, is_old):
     path = run / "trajectories.parquet"
     path.write_bytes(path.read_bytes()[:part])
-    says = (
-        r"trajectories\.parquet: cannot be read: it is cut off or damaged; run it again: simcompare"
-    )
-    with pytest.raises(InputError, match=says):
+    fault = "is not what was written: it is cut off, damaged or changed"
+    if is_old:
+        without_digests(run)
+        fault = "cannot be read: it is cut off or damaged"
+    with pytest.raises(InputError, match=rf"trajectories\.parquet: {fault}; run it again: simc"):
+        simcompare.load_run(run)
+
+
+def test_samples_of_another_run_are_told(run, tmp_path):
+    other = simcompare.run("ball", engine="pymunk", contact="default", seeds=1, out=tmp_path)
+    shutil.copy(other.folder / "trajectories.parquet", run)
+    with pytest.raises(InputError, match=r"trajectories\.parquet: is not what was written"):
+        simcompare.load_run(run)
+
+
+def test_samples_that_are_gone_are_told(run):
+    (run / "trajectories.parquet").unlink()
+    with pytest.raises(InputError, match=r"trajectories\.parquet: cannot be read: No such file"):
         simcompare.load_run(run)
 
 

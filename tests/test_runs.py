@@ -30,7 +30,7 @@ def record(sweep):
 def store(folder: Path, record: str, created: str = "2026-06-29T00:00:00+00:00") -> Path:
     """The folder of a run that was made at a time."""
     folder.mkdir(parents=True)
-    text = json.dumps({**json.loads(record), "created": created})
+    text = json.dumps({**json.loads(record), "created": created, "tables": {}})
     (folder / "run.json").write_text(text, encoding="utf-8")
     (folder / "scores.csv").write_text("source\n", encoding="utf-8")
     (folder / "figures").mkdir()

@@ -142,7 +142,7 @@ def test_a_changed_file_of_readings_is_refused(sensed, tmp_path):
     shutil.copytree(sensed.folder, copy)
     with (copy / "readings.parquet").open("ab") as file:
         file.write(b"more")
-    with pytest.raises(InputError, match=r"readings\.parquet: is damaged, or not the file"):
+    with pytest.raises(InputError, match=r"readings\.parquet: is not what was written: "):
         simcompare.load_run(copy)
 
 

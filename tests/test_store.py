@@ -86,7 +86,7 @@ def synthetic():
 
 def assert_same(back, run):
     assert back.record.scores == run.record.scores
-    assert back.record == replace(run.record, run=back.record.run)
+    assert back.record == replace(run.record, run=back.record.run, tables=back.record.tables)
     assert len(back.trajectories) == len(run.trajectories)
     for ours, theirs in zip(back.trajectories, run.trajectories, strict=True):
         assert replace(ours, trajectory=None) == replace(theirs, trajectory=None)

@@ -7,19 +7,16 @@ of these names may be the same. What is missing is NULL.
 
 from __future__ import annotations
 
-import json
 import re
-import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from simcompare.errors import InputError, OutputError
-from simcompare.model import parquet
-from simcompare.model.plain import of_plain, text
+from simcompare.model import parquet, record_file, whole
+from simcompare.model.plain import text
 from simcompare.model.recording import (
     Channel,
     Clock,
@@ -28,14 +25,17 @@ from simcompare.model.recording import (
     Recording,
     Stream,
 )
+from simcompare.model.trajectory import Array
 
 HEAD = "recording.json"
 #: version of what recording.json holds
 FORMAT = 1
 #: the clock in every table
 TIME = "time_s"
+_TABLE = re.compile(r"stream-\d{3,}\.parquet")
 #: names of the files that a stored recording is made of
-_OURS = re.compile(r"recording\.json|stream-\d{3,}\.parquet")
+_OURS = re.compile(rf"recording\.json|{_TABLE.pattern}")
+_AGAIN = "import the log again"
 _U, _SATURATED = "u:", "saturated:"
 #: version 2 stores bytes of equal weight together, which packs measured numbers better and faster
 #: than looking for repeated ones
@@ -51,14 +51,9 @@ def save(recording: Recording, folder: Path) -> Path:
     try:
         place = folder.resolve()
         _check_place(folder, place)
-        partial = place.with_name(f".{place.name}.partial")
-        try:
-            shutil.rmtree(partial, ignore_errors=True)
-            partial.mkdir(parents=True)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with whole.folder(place) as partial:
             _write(recording, partial)
-            _put(partial, place)
-        finally:
-            shutil.rmtree(partial, ignore_errors=True)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise OutputError(
@@ -104,13 +99,18 @@ class _ChannelHead:
 
 @dataclass(frozen=True)
 class _StreamHead:
-    """What recording.json says of a stream: its table, and what that does not hold."""
+    """What recording.json says of a stream: its table, and what that does not hold.
+
+    Attributes:
+        sha256: digest of the table; the first recordings that were stored do not tell it.
+    """
 
     table: str
     samples: int
     clock: Clock
     gaps: tuple[int, ...]
     channels: Mapping[str, _ChannelHead]
+    sha256: str = ""
 
 
 @dataclass(frozen=True)
@@ -131,25 +131,10 @@ def _write(recording: Recording, folder: Path) -> None:
         connection.execute("set threads=1")
         for number, (name, stream) in enumerate(recording.streams.items(), start=1):
             head = _stream_head(stream, f"stream-{number:03}.parquet")
-            _write_table(connection, folder / head.table, stream, head)
-            streams[name] = head
-    whole = _Head(FORMAT, recording.provenance, recording.events, streams)
-    (folder / HEAD).write_text(text(whole, indent=1) + "\n", encoding="utf-8")
-
-
-def _put(made: Path, place: Path) -> None:
-    """Puts a new recording where perhaps an old one is, which is lost only afterwards."""
-    old = place.with_name(f".{place.name}.old")
-    if place.exists():
-        shutil.rmtree(old, ignore_errors=True)
-        place.rename(old)
-    try:
-        made.rename(place)
-    except OSError:
-        if old.exists():
-            old.rename(place)
-        raise
-    shutil.rmtree(old, ignore_errors=True)
+            written = _write_table(connection, folder / head.table, stream, head)
+            streams[name] = replace(head, sha256=written.sha256)
+    head_of_all = _Head(FORMAT, recording.provenance, recording.events, streams)
+    (folder / HEAD).write_text(text(head_of_all, indent=1) + "\n", encoding="utf-8")
 
 
 def is_recording(path: Path) -> bool:
@@ -163,23 +148,47 @@ def load(folder: Path) -> Recording:
     Raises:
         InputError: there is none, or its files are damaged; names the file.
     """
-    path = folder / HEAD
+    while True:
+        path, before = folder / HEAD, _inode(folder)
+        try:
+            return _load(path)
+        except InputError:
+            if _inode(folder) == before:  # else it has just been replaced by a whole one
+                raise
+
+
+def _load(path: Path) -> Recording:
+    content = record_file.read(path, _AGAIN)
+    found = content.get("format") if isinstance(content, dict) else content
+    if found != FORMAT or isinstance(found, bool):
+        fault = f"format {found!r} is not known; expected {FORMAT}"
+        raise InputError(str(path), [f"{fault}; {_AGAIN}, or update simcompare"])
+    head = record_file.record(_Head, content, path)
+    _check_tables(path, head)
+    streams = {name: _stream(path, name, one) for name, one in head.streams.items()}
+    return Recording(streams, head.provenance, head.events)
+
+
+def _inode(folder: Path) -> int:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
-            raise InputError(
-                str(path), [f"format {content['format']!r} is not known; expected {FORMAT}"]
-            )
-        head = of_plain(_Head, content)
-        streams = {
-            name: _stream(one, parquet.read(folder / one.table, "import the log again"))
-            for name, one in head.streams.items()
-        }
-        return Recording(streams, head.provenance, head.events)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            str(path), [f"cannot be read ({type(error).__name__}: {error}); import the log again"]
-        ) from None
+        return folder.stat().st_ino
+    except OSError:
+        return 0
+
+
+def _check_tables(path: Path, head: _Head) -> None:
+    """Tables lie beside recording.json under the names that we give them, each of one stream."""
+    tables = [one.table for one in head.streams.values()]
+    faults = [
+        f"streams.{name}.table: {one.table!r} is no name of a table; expected a name such as"
+        f" stream-001.parquet; {_AGAIN}"
+        for name, one in head.streams.items()
+        if not _TABLE.fullmatch(one.table)
+    ]
+    if len(set(tables)) < len(tables):
+        faults.append(f"two streams have the same table; {_AGAIN}")
+    if faults:
+        raise InputError(str(path), faults)
 
 
 def _column_names(stream: Stream) -> dict[str, dict[str, str]]:
@@ -220,23 +229,56 @@ def _stream_head(stream: Stream, table: str) -> _StreamHead:
 
 def _write_table(
     connection: parquet.Connection, path: Path, stream: Stream, head: _StreamHead
-) -> None:
+) -> parquet.Table:
     columns = {TIME: np.asarray(stream.time_s)}
     for name, channel in stream.channels.items():
         for part, column in head.channels[name].columns.items():
             columns[column] = np.asarray(getattr(channel, part))
     selected = ", ".join(parquet.register(connection, "samples", columns))
-    parquet.copy(connection, f"select {selected} from samples", path, _PACKED)
+    written = parquet.write(connection, f"select {selected} from samples", path, _PACKED)
     connection.unregister("samples")
+    return written
 
 
-def _stream(head: _StreamHead, columns: Mapping[str, Any]) -> Stream:
-    channels = {}
-    for name, about in head.channels.items():
-        names = about.columns or {"values": name, "u": _U + name, "saturated": _SATURATED + name}
-        channels[name] = Channel(
-            columns[names["values"]], about.unit, about.frame,
-            columns.get(names.get("u", ""), about.u), about.sensor, about.kind, about.raw,
-            columns.get(names.get("saturated", "")),
-        )  # fmt: skip
-    return Stream(columns[TIME], channels, head.clock, head.gaps)
+def _stream(path: Path, name: str, head: _StreamHead) -> Stream:
+    """One stream with its table.
+
+    Raises:
+        InputError: they do not belong together.
+    """
+    table = path.with_name(head.table)
+    columns = parquet.read(table, parquet.Table(head.sha256, head.samples), _AGAIN)
+    try:
+        channels = {one: _channel(one, about, columns) for one, about in head.channels.items()}
+        stream = Stream(_numbers(TIME, columns), channels, head.clock, head.gaps)
+    except ValueError as error:
+        raise InputError(
+            str(table), [f"is not what {HEAD} says of it: {error}; {_AGAIN}"]
+        ) from None
+    if any(not 0 <= i < head.samples for i in head.gaps):
+        fault = f"streams.{name}.gaps: expected numbers of samples, from 0 to {head.samples - 1}"
+        raise InputError(str(path), [f"{fault}; {_AGAIN}"])
+    return stream
+
+
+def _channel(name: str, head: _ChannelHead, columns: parquet.Columns) -> Channel:
+    names = head.columns or {"values": name, "u": _U + name, "saturated": _SATURATED + name}
+    u, saturated = names.get("u", ""), names.get("saturated", "")
+    return Channel(
+        _numbers(names.get("values", name), columns), head.unit, head.frame,
+        _numbers(u, columns) if u in columns else head.u, head.sensor, head.kind, head.raw,
+        columns.get(saturated),
+    )  # fmt: skip
+
+
+def _numbers(name: str, columns: parquet.Columns) -> Array:
+    """A column of the table.
+
+    Raises:
+        ValueError: there is none, or it holds something else than numbers.
+    """
+    if name not in columns:
+        raise ValueError(f"there is no column {name!r}")
+    if columns[name].dtype != np.float64:
+        raise ValueError(f"its column {name!r} holds no numbers")
+    return columns[name]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +9,9 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.hardware.sensors.error_model import Reading
 from simcompare.model import parquet
+from simcompare.model.parquet import Table
 from simcompare.model.trajectory import Array
-from simcompare.results.records.run import Record, RunRecord
+from simcompare.results.records.run import Record
 from simcompare.results.run import Run, StoredReading
 
 READINGS = "readings.parquet"
@@ -22,22 +21,19 @@ _AXES = "xyz"
 _KINDS = ("ideal", "measured", "saturated")
 
 
-def save(run: Run, record: Record, folder: Path) -> Record:
-    """Writes what the sensors of a run read; returns the record with the digest of that.
+def save(run: Run, folder: Path) -> dict[str, Table]:
+    """Writes what the sensors of a run read; returns what the record says of the file.
 
     Args:
         run: the run.
-        record: of it, as it will be stored.
         folder: where to.
 
     Raises:
         OSError: it cannot be written.
     """
-    if not isinstance(record, RunRecord) or record.sensing is None or not run.stored_readings:
-        return record
-    _write(folder / READINGS, run.stored_readings)
-    digest = _digest(folder / READINGS)
-    return replace(record, sensing=replace(record.sensing, sha256=digest))
+    if not run.stored_readings:
+        return {}
+    return {READINGS: _write(folder / READINGS, run.stored_readings)}
 
 
 def load(record: Record, folder: Path, again: str) -> tuple[StoredReading, ...]:
@@ -52,11 +48,10 @@ def load(record: Record, folder: Path, again: str) -> tuple[StoredReading, ...]:
         InputError: the file is damaged, or another one.
     """
     path = folder / READINGS
-    if not isinstance(record, RunRecord) or record.sensing is None or not path.is_file():
+    if READINGS not in record.tables and not path.exists():
         return ()
-    if _digest(path) != record.sensing.sha256:
-        raise InputError(str(path), [f"is damaged, or not the file that was written; {again}"])
-    columns = parquet.read(path, again)
+    columns = parquet.read(path, record.tables.get(READINGS, Table()), again)
+    _check(path, columns, again)
     keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
     starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]
     return tuple(
@@ -65,7 +60,22 @@ def load(record: Record, folder: Path, again: str) -> tuple[StoredReading, ...]:
     )
 
 
-def _write(path: Path, readings: tuple[StoredReading, ...]) -> None:
+def _check(path: Path, columns: parquet.Columns, again: str) -> None:
+    """Refuses a table that is none of readings.
+
+    Raises:
+        InputError: which columns are missing, or hold no numbers.
+    """
+    signals = [f"{kind}.{axis}" for kind in _KINDS for axis in _AXES]
+    faults = [f"has no column {name}; {again}" for name in (*_INDEX, "time_s", *signals)
+              if name not in columns]  # fmt: skip
+    faults += [f"its column {name} holds no numbers; {again}" for name in ("time_s", *signals)
+               if name in columns and columns[name].dtype != np.float64]  # fmt: skip
+    if faults:
+        raise InputError(str(path), faults)
+
+
+def _write(path: Path, readings: tuple[StoredReading, ...]) -> Table:
     blocks = [_columns(one.reading) for one in readings]
     lengths = [len(one.reading.time_s) for one in readings]
     table = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
@@ -84,16 +94,12 @@ def _write(path: Path, readings: tuple[StoredReading, ...]) -> None:
             f"select {index}, {', '.join(columns)} from samples join labels"
             " on samples.c0 = labels.entry order by entry, time_s"
         )
-        parquet.copy(connection, query, path)
+        return parquet.write(connection, query, path)
 
 
 def _stored(key: tuple[str, ...], columns: dict[str, Array]) -> StoredReading:
     source, contact, signal = key
     return StoredReading(source, contact, signal, _reading(columns))
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _columns(reading: Reading) -> dict[str, Array]:

@@ -1,16 +1,15 @@
 """A run on disk: ``runs/<id>/{run.json, trajectories.parquet, scores.csv}``.
 
-A run is written into a hidden folder beside its place and renamed when it is complete, so a full
-disk or Ctrl-C leaves nothing half-written behind.
+A run is written into a hidden folder beside its place and put there when it is complete, so a full
+disk or Ctrl-C leaves nothing half-written behind. run.json tells the digest of each table.
 """
 
 from __future__ import annotations
 
 import contextlib
 import csv
-import itertools
+import os
 import shlex
-import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
@@ -20,12 +19,14 @@ import numpy as np
 
 from simcompare.comparison.comparison import Score
 from simcompare.errors import InputError, NoSuchFile, OutputError
-from simcompare.model import parquet, plain
+from simcompare.model import parquet, plain, whole
+from simcompare.model.parquet import Table
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.results import readings_file
+from simcompare.results import readings_file, unfinished
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
+from simcompare.results.unfinished import Unfinished
 
 AnyRun = TypeVar("AnyRun", bound=Run)
 
@@ -42,61 +43,87 @@ def check_writable(folder: Path) -> None:
     """Makes the output folder and proves that it can be written to, before anything is simulated.
 
     Raises:
-        OutputError: it cannot.
+        OutputError: it cannot, or no text can hold its name.
     """
-    probe = folder / ".simcompare-write-test"
     try:
+        str(folder).encode()
         folder.mkdir(parents=True, exist_ok=True)
-        probe.write_bytes(b"")
-        probe.unlink()
+        whole.probe(folder)
+    except UnicodeEncodeError:
+        raise OutputError(
+            f"--out {os.fsencode(folder)!r}: its name is not UTF-8, so no file can hold it;"
+            " choose another folder"
+        ) from None
     except OSError as error:
         raise OutputError(
             f"--out {folder}: cannot be written to ({error.strerror}); choose another folder"
         ) from None
 
 
-def save(run: AnyRun, folder: Path) -> AnyRun:
+def save(
+    run: AnyRun,
+    folder: Path,
+    more: Mapping[str, str] | None = None,
+    begun: Unfinished | None = None,
+) -> AnyRun:
     """Writes a run below ``folder`` and returns it with its place filled in.
 
+    Args:
+        run: what was found.
+        folder: in which its own folder is made.
+        more: texts that are stored with it, by the names of their files.
+        begun: the folder that was made for it when it began, which it replaces. Where the run
+            was interrupted, what was kept in it goes along.
+
     Raises:
-        OutputError: it cannot be written; nothing is left behind.
+        OutputError: it cannot be written; nothing is left behind, but what was begun.
     """
-    with new_folder(folder, run.record.created, run.record.scenario) as (place, partial):
-        record = readings_file.save(run, replace(run.record, run=str(place)), partial)
-        (partial / RECORD).write_text(plain.text(record, indent=1) + "\n", encoding="utf-8")
+    with new_folder(folder, run.record.created, run.record.scenario, begun=begun) as made:
+        place, partial = made
+        tables = {
+            **_write_trajectories(partial, run.trajectories),
+            **readings_file.save(run, partial),
+        }
+        record = replace(run.record, run=str(place), tables=tables)
         _write_scores(partial / SCORES, run.record.scores)
-        _write_trajectories(partial / TRAJECTORIES, run.trajectories)
+        for name, text in (more or {}).items():
+            (partial / name).write_text(text, encoding="utf-8")
+        (partial / RECORD).write_text(plain.text(record, indent=1) + "\n", encoding="utf-8")
+        if begun is not None and run.record.interrupted:
+            begun.carry(partial)
     return replace(run, record=record, folder=place)
 
 
 @contextlib.contextmanager
 def new_folder(
-    folder: Path, created: str, name: str, what: str = "run"
+    folder: Path, created: str, name: str, what: str = "run", begun: Unfinished | None = None
 ) -> Iterator[tuple[Path, Path]]:
-    """A free place for results, and the hidden folder to write them in, which is then renamed.
+    """A free place for results, and the hidden folder to write them in, which is then put there.
 
     Args:
         folder: in which both lie.
         created: date and time, ISO 8601.
         name: what the place is called after the time.
         what: what is written, for the message.
+        begun: the place, where it was made before.
 
     Raises:
         OutputError: it cannot be written; nothing is left behind.
     """
-    partial = None
     try:
-        place, partial = _reserve(folder, created, name)
-        yield place, partial
-        partial.rename(place)
+        with contextlib.ExitStack() as stack:
+            if begun is None:
+                begun = stack.enter_context(
+                    contextlib.closing(unfinished.reserve(folder, created, name))
+                )
+                stack.callback(begun.drop_empty)
+            with whole.folder(begun.folder) as partial:
+                yield begun.folder, partial
     except OSError as error:
         raise OutputError(
             f"{folder}: the {what} cannot be written ({error.strerror or error});"
             " nothing was kept, free some space or choose another --out"
         ) from None
-    finally:
-        if partial is not None:
-            shutil.rmtree(partial, ignore_errors=True)
 
 
 def load(place: str | Path) -> Run:
@@ -151,26 +178,6 @@ def _no_run(place: Path) -> InputError:
     return InputError(str(place), [fault])
 
 
-def _reserve(folder: Path, created: str, name: str) -> tuple[Path, Path]:
-    """The place and the hidden folder, made by this call alone."""
-    stamp = created[:19].replace("-", "").replace(":", "").replace("T", "-")
-    base = f"{stamp}-{name}"
-    folder.mkdir(parents=True, exist_ok=True)
-    for number in itertools.count(1):
-        place = folder / (base if number == 1 else f"{base}-{number}")
-        partial = folder / f".{place.name}.partial"
-        if place.exists():
-            continue
-        try:
-            partial.mkdir()
-        except FileExistsError:  # another process is writing there at this moment
-            continue
-        if not place.exists():
-            return place, partial
-        partial.rmdir()
-    raise AssertionError
-
-
 def _write_scores(path: Path, scores: tuple[Score, ...]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, [field.name for field in fields(Score)])
@@ -178,14 +185,14 @@ def _write_scores(path: Path, scores: tuple[Score, ...]) -> None:
         writer.writerows(vars(score) for score in scores)
 
 
-def _write_trajectories(path: Path, entries: tuple[Stored, ...]) -> None:
+def _write_trajectories(folder: Path, entries: tuple[Stored, ...]) -> dict[str, Table]:
     """One table: whose sample it is, time, and one column per component.
 
     Raises:
         OSError: DuckDB could not write; its own message is kept.
     """
     if not entries:
-        return
+        return {}
     blocks = [item.trajectory.to_columns() for item in entries]
     names = list(dict.fromkeys(name for block in blocks for name in block))
     lengths = [len(item.trajectory.time_s) for item in entries]
@@ -207,7 +214,7 @@ def _write_trajectories(path: Path, entries: tuple[Stored, ...]) -> None:
             f"select {index}, {', '.join(columns)} from samples join labels"
             " on samples.c0 = labels.entry order by entry, time_s"
         )
-        parquet.copy(connection, query, path)
+        return {TRAJECTORIES: parquet.write(connection, query, folder / TRAJECTORIES)}
 
 
 def _column(blocks: list[dict[str, Array]], lengths: list[int], name: str) -> Array:
@@ -216,9 +223,9 @@ def _column(blocks: list[dict[str, Array]], lengths: list[int], name: str) -> Ar
 
 
 def _read_trajectories(path: Path, record: Record) -> list[Stored]:
-    if not path.is_file():
+    if TRAJECTORIES not in record.tables and not path.exists():
         return []
-    columns = parquet.read(path, _again(record))
+    columns = parquet.read(path, record.tables.get(TRAJECTORIES, Table()), _again(record))
     lacking = [name for name in (*_INDEX, "time_s") if name not in columns and name not in _NEW]
     if lacking:
         raise InputError(str(path), [f"is not of a run: it has no column {', '.join(lacking)}"])

@@ -143,10 +143,6 @@ def _listed(recordings: str | Path | Sequence[str | Path]) -> Sequence[str | Pat
 def _saved(done: Result, out: str | Path | None) -> Result:
     if out is None:
         return done
-    saved = store.save(done, Path(out))
-    assert saved.folder is not None
-    assert isinstance(saved.record, FitRecord)
-    (saved.folder / "fit.json").write_text(
-        plain.text(saved.record.fit, indent=1) + "\n", encoding="utf-8"
-    )
-    return saved
+    assert isinstance(done.record, FitRecord)
+    fit = plain.text(done.record.fit, indent=1) + "\n"
+    return store.save(done, Path(out), {"fit.json": fit})

@@ -15,6 +15,7 @@ from simcompare.comparison.comparison import Score
 from simcompare.engine.backend import KnownLimit
 from simcompare.model.answer import Answer
 from simcompare.model.audit import AuditRow
+from simcompare.model.parquet import Table
 from simcompare.model.scenario import Dither, Probe, Tolerance
 from simcompare.model.tuning import TuningRow
 from simcompare.results.records.sensing import Sensing
@@ -188,6 +189,7 @@ class Record:
         judge: levels whose failures count; ``None``: all of them.
         command: the command that repeats it, where it is no ``run``.
         interrupted: whether Ctrl-C ended it early.
+        tables: what was written beside the record: name of the file -> its digest and rows.
     """
 
     kind: str = ""
@@ -223,6 +225,7 @@ class Record:
     judge: tuple[str, ...] | None = None
     command: tuple[str, ...] | None = None
     interrupted: bool = False
+    tables: Mapping[str, Table] = field(default_factory=dict)
 
     @cached_property
     def whole(self) -> Mapping[tuple[str, str, str], Score]:

@@ -96,9 +96,7 @@ class Sensing:
     Attributes:
         seed: of all that was drawn.
         sensors: one for each signal.
-        sha256: digest of the file of readings, empty where it is not stored.
     """
 
     seed: int
     sensors: tuple[SensorRecord, ...]
-    sha256: str = ""

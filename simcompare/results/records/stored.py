@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from simcompare.errors import InputError
-from simcompare.model import plain
+from simcompare.model import record_file
 from simcompare.results.records.first_format import FIRST_FORMAT, of_today
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.run import FORMAT, Record, RunRecord
@@ -26,63 +23,38 @@ def read(path: Path) -> Record:
     Raises:
         InputError: it cannot be read; says where it is damaged.
     """
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
-    except OSError as error:
-        raise InputError(str(path), [f"cannot be read: {error.strerror or error}"]) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(str(path), [f"cannot be read: {_damage(error)}; run it again"]) from None
-    try:
-        return of_plain(data)
-    except InputError as error:
-        raise InputError(str(path), error.faults) from None
+    return of_plain(record_file.read(path, "run it again"), path)
 
 
-def of_plain(data: object) -> Record:
+def of_plain(data: object, path: Path = Path("record")) -> Record:
     """The record that JSON holds, also that of an older format.
+
+    Args:
+        data: what JSON holds.
+        path: of the file, for messages.
 
     Raises:
         InputError: it is none; says what is wrong, place by place.
     """
     if not isinstance(data, dict):
-        raise InputError("record", [f"holds a {type(data).__name__}, not an object"])
-    _check_age(data.get("format"))
-    _expect("format", data.get("format"), (FIRST_FORMAT, FORMAT))
-    if data["format"] == FIRST_FORMAT:
+        raise InputError(str(path), [f"holds a {type(data).__name__}, not an object"])
+    _check_age(data.get("format"), path)
+    _expect("format", data.get("format"), (FIRST_FORMAT, FORMAT), path)
+    is_old = data["format"] == FIRST_FORMAT
+    if is_old:
         data = of_today(data, FORMAT)
-    _expect("kind", data.get("kind"), tuple(_KINDS))
-    try:
-        return plain.of_plain(_KINDS[data["kind"]], data)
-    except ValidationError as error:
-        raise InputError("record", plain.faults(error)) from None
+    _expect("kind", data.get("kind"), tuple(_KINDS), path)
+    return record_file.record(_KINDS[data["kind"]], data, path, is_old=is_old)
 
 
-def _damage(error: ValueError | RecursionError) -> str:
-    """What is wrong with a text that should be JSON."""
-    if isinstance(error, json.JSONDecodeError):
-        return f"it is cut off or damaged in line {error.lineno}"
-    if isinstance(error, _NoNumber):
-        return str(error)
-    return "it is damaged"
-
-
-class _NoNumber(ValueError):
-    """A word that Python takes for a number and JSON does not."""
-
-
-def _refuse(constant: str) -> float:
-    """NaN and Infinity are no numbers of JSON, and none that was written."""
-    raise _NoNumber(f"{constant} is no number")
-
-
-def _check_age(number: object) -> None:
+def _check_age(number: object, path: Path) -> None:
     """Refuses a format that only a newer simcompare knows."""
     if type(number) is int and number > FORMAT:
         fault = f"cannot be read: a newer simcompare wrote it (format {number}, known to {FORMAT})"
-        raise InputError("record", [f"{fault}; update simcompare"])
+        raise InputError(str(path), [f"{fault}; update simcompare"])
 
 
-def _expect(name: str, value: object, known: tuple[object, ...]) -> None:
+def _expect(name: str, value: object, known: tuple[object, ...], path: Path) -> None:
     if value not in known or isinstance(value, bool):
         expected = " or ".join(map(str, known))
-        raise InputError("record", [f"{name} {value!r} is not known; expected {expected}"])
+        raise InputError(str(path), [f"{name} {value!r} is not known; expected {expected}"])

@@ -1,0 +1,163 @@
+"""The folder of a run while it runs: what has finished is kept in it, part by part.
+
+It has its final name from the beginning and no run.json until the end. Its maker holds the lock on
+it for as long as it lives.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import re
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from simcompare.errors import InputError, OutputError
+from simcompare.model import whole
+
+#: folder in that of a run, in which each part is a file
+PARTS = "unfinished"
+_PART = re.compile(r"[a-z0-9][a-z0-9_-]*\.[a-z0-9]+")
+#: what a new folder is called after
+_STAMP = re.compile(r"\d{8}-\d{6}-.+")
+
+
+@dataclass(frozen=True, eq=False)
+class Unfinished:
+    """The folder of a run that has not ended.
+
+    Attributes:
+        folder: where the run will lie.
+        held: holds the lock on it until :meth:`close`.
+    """
+
+    folder: Path
+    held: contextlib.ExitStack
+
+    def add(self, name: str, content: bytes) -> None:
+        """Keeps a part; an older one of that name is replaced.
+
+        Raises:
+            OutputError: it cannot be written; nothing has changed then.
+        """
+        try:
+            (self.folder / PARTS).mkdir(exist_ok=True)
+            whole.write(self.folder / PARTS / name, content)
+        except OSError as error:
+            raise OutputError(
+                f"{self.folder}: what has finished cannot be kept ({error.strerror or error});"
+                " free some space or choose another --out"
+            ) from None
+
+    def parts(self) -> dict[str, bytes]:
+        """What was kept, by name."""
+        found = {}
+        for path in sorted(_inside(self.folder / PARTS)):
+            with contextlib.suppress(OSError), whole.opened(path) as file:
+                found[path.name] = file.read()
+        return found
+
+    def carry(self, made: Path) -> None:
+        """Puts what was kept into a folder that will take the place of this one."""
+        for name, content in self.parts().items():
+            (made / PARTS).mkdir(exist_ok=True)
+            (made / PARTS / name).write_bytes(content)
+
+    def drop(self) -> None:
+        """Deletes the folder with what was kept in it."""
+        shutil.rmtree(self.folder / PARTS, ignore_errors=True)
+        self.drop_empty()
+        self.close()
+
+    def drop_empty(self) -> None:
+        """Deletes the folder where nothing is in it."""
+        with contextlib.suppress(OSError):
+            self.folder.rmdir()
+
+    def close(self) -> None:
+        """Gives the lock back."""
+        self.held.close()
+
+
+def begin(folder: Path, created: str, name: str) -> Unfinished:
+    """Makes the folder of a run that begins.
+
+    Args:
+        folder: in which it is made.
+        created: date and time, ISO 8601.
+        name: what it is called after the time.
+
+    Raises:
+        OutputError: it cannot be made.
+    """
+    try:
+        begun = reserve(folder, created, name)
+        (begun.folder / PARTS).mkdir()
+    except OSError as error:
+        raise OutputError(
+            f"--out {folder}: cannot be written to ({error.strerror}); choose another folder"
+        ) from None
+    return begun
+
+
+def reserve(folder: Path, created: str, name: str) -> Unfinished:
+    """Makes an empty folder with a free name, for this call alone.
+
+    Raises:
+        OSError: it cannot be made.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    _sweep(folder)
+    stamp = created[:19].replace("-", "").replace(":", "").replace("T", "-")
+    for number in itertools.count(1):
+        place = folder / (f"{stamp}-{name}" if number == 1 else f"{stamp}-{name}-{number}")
+        with contextlib.ExitStack() as held, contextlib.suppress(FileExistsError):
+            place.mkdir()
+            if whole.lock(place, held):
+                return Unfinished(place, held.pop_all())
+    raise AssertionError
+
+
+def opened(folder: Path) -> Unfinished:
+    """The folder of a run that was ended early, to go on with it.
+
+    Raises:
+        InputError: it is none, or its maker still runs.
+    """
+    if not is_unfinished(folder):
+        raise InputError(str(folder), ["is not the folder of a run that was ended early"])
+    held = contextlib.ExitStack()
+    if not whole.lock(folder, held):
+        held.close()
+        fault = "is the folder of a run that still goes on; wait for its end"
+        raise InputError(str(folder), [fault])
+    return Unfinished(folder, held)
+
+
+def is_unfinished(folder: Path) -> bool:
+    """Whether a folder holds parts of a run that was ended early; a link to one is none."""
+    parts = folder / PARTS
+    return not folder.is_symlink() and parts.is_dir() and not parts.is_symlink()
+
+
+def is_running(folder: Path) -> bool:
+    """Whether the maker of an unfinished run still lives."""
+    with contextlib.ExitStack() as held:
+        return not whole.lock(folder, held)
+
+
+def _inside(parts: Path) -> list[Path]:
+    """The files of parts; what else lies beside them is left alone."""
+    if not parts.is_dir() or parts.is_symlink():
+        return []
+    return [path for path in parts.iterdir() if _PART.fullmatch(path.name)]
+
+
+def _sweep(folder: Path) -> None:
+    """Deletes the empty folders that dead writers have reserved."""
+    for path in folder.iterdir():
+        if _STAMP.fullmatch(path.name) and path.is_dir() and not path.is_symlink():
+            with contextlib.ExitStack() as held, contextlib.suppress(OSError):
+                if not any(path.iterdir()) and whole.lock(path, held):
+                    path.rmdir()
