@@ -12,11 +12,15 @@ from typing import Any
 import hypothesis
 import pytest
 
+from simcompare.hardware import confined
 from tests.present import need, skipping_without_its_engine
 
 # no test depends on the clock, also not on a busy machine
 hypothesis.settings.register_profile("simcompare", deadline=None)
 hypothesis.settings.load_profile("simcompare")
+
+# the thread of pytest-xdist only waits for orders: logs are read in forks, which start faster
+confined.fork_is_safe = lambda: sys.platform == "linux"
 
 
 def pytest_configure(config):

@@ -45,12 +45,12 @@ def import_(
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Read a log of a device; what was repaired is recorded."""
-    from simcompare.hardware import importing
+    from simcompare.hardware import reading_process
     from simcompare.model.plain import plain
     from simcompare.verbs.import_log import facts, import_log
 
     if template:
-        console.print_wanted(importing.template(log, kind=kind), nl=False)
+        console.print_wanted(reading_process.template(log, kind=kind), nl=False)
         return
     place = out or Path(f"{log.stem or log.name}.rec")
     recording = import_log(

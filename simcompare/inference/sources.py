@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.errors import unknown_or_missing
-from simcompare.hardware import importing
 from simcompare.hardware import mapping as mappings
+from simcompare.hardware import reading_process
 from simcompare.hardware.recordings import registry
 from simcompare.inference.plan import Entries
 from simcompare.model import recording_store
@@ -61,7 +61,7 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
     if recording_store.is_recording(path):
         recording = recording_store.load(path)
     else:
-        recording = importing.read(path, reading or mappings.NOTHING, strict=strict)
+        recording = reading_process.read(path, reading or mappings.NOTHING, strict=strict)
     return Source(name, recording, plans, {}, () if reading is None else reading.estimate)
 
 
@@ -83,7 +83,7 @@ def _public(name: str, reading: mappings.Mapping | None, plans: Entries, strict:
         "licence": data_set.licence,
         "source": f"github.com/{data_set.source.repository} at {data_set.source.commit}",
     }
-    recording = importing.read(paths[0], reading, strict=strict, about=about)
+    recording = reading_process.read(paths[0], reading, strict=strict, about=about)
     plans = plans or Entries(data_set.validation, name)
     return Source(name, recording, plans, about, reading.estimate or data_set.estimate)
 

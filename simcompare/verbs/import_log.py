@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.arguments import checked
-from simcompare.hardware import importing
 from simcompare.hardware import mapping as mappings
+from simcompare.hardware import reading_process
 from simcompare.model import recording_store
 from simcompare.model.recording import Clock, Event, Provenance, Recording
 
@@ -48,7 +48,7 @@ def import_log(
         OutputError: the recording cannot be stored.
     """
     columns = mappings.NOTHING if mapping is None else mappings.read(Path(mapping))
-    recording = importing.read(
+    recording = reading_process.read(
         Path(log), columns, kind=kind, strict=strict, assume_units=assume_units
     )
     if out is not None:

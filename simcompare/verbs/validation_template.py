@@ -11,7 +11,7 @@ import yaml
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware import importing
+from simcompare.hardware import reading_process
 from simcompare.hardware.mapping import UNKNOWN
 from simcompare.inference import plan_template, sources
 from simcompare.inference.plan_template import Candidate
@@ -53,7 +53,7 @@ def _read(recording: str, mapping: str | Path | None) -> tuple[str, list[Candida
         # a log that does not say all: what is missing is asked for in the same file
         if mapping is not None or not Path(recording).exists():
             raise
-        text = importing.template(recording)
+        text = reading_process.template(recording)
         return text, list(_columns(yaml.safe_load(text)))
     return reading, _channels(found)
 

@@ -1,0 +1,203 @@
+"""One task in a process of its own, with limits of memory, disk and time.
+
+Readers of foreign formats are large programs that were not made for hostile or damaged files: a
+few kilobytes may ask for all memory, or never end. Their process is ended then, not the user's.
+What it found comes back as JSON and plain numbers, which cannot execute anything.
+
+On Linux the process is a fork where that is safe, which costs a few milliseconds; where other
+threads run (a notebook), and on other systems, it is a new Python. Only Linux limits memory and
+disk.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import json
+import math
+import os
+import select
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+from simcompare.model.plain import Plain
+
+#: files of the folder in which a task and its answer are
+REQUEST, ANSWER = "request.json", "answer.json"
+#: what is left of a limit when the process ends itself, should nobody else end it [s]
+_GRACE_S = 5
+#: stacks of the threads that libraries start for each processor; they are counted, not used
+_THREAD_BYTES = 2 << 23
+
+#: takes the folder of a task, does it, and writes the answer there
+Task = Callable[[Path], None]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a task may take.
+
+    Attributes:
+        memory_bytes: beside what the interpreter and its libraries need.
+        file_bytes: size of each file that it lays down.
+        seconds: until it has to end.
+    """
+
+    memory_bytes: int
+    file_bytes: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How the process of a task ended.
+
+    Attributes:
+        is_late: whether the time was over.
+        signal: what killed it, 0 where nothing did.
+    """
+
+    is_late: bool = False
+    signal: int = 0
+
+
+def run(task: Task, target: str, folder: Path, limits: Limits) -> Ending:
+    """Does a task in a process, and waits for its end; nothing of it goes on.
+
+    Args:
+        task: what is done.
+        target: the same as ``module:function``, for a new Python.
+        folder: of the task; temporary files are made there, too.
+        limits: what it may take.
+    """
+    start = _forked if fork_is_safe() else _started
+    with start(task, target, folder, limits) as ending:
+        return ending
+
+
+def fork_is_safe() -> bool:
+    """Whether this process can go on in a copy of itself: no other thread holds a lock there."""
+    return sys.platform == "linux" and threading.active_count() == 1
+
+
+def answer(folder: Path, content: Plain) -> None:
+    """Writes what a task found."""
+    partial = folder / f"{ANSWER}.partial"
+    partial.write_text(json.dumps(content, default=str), encoding="utf-8")
+    partial.rename(folder / ANSWER)
+
+
+@contextlib.contextmanager
+def _forked(task: Task, target: str, folder: Path, limits: Limits) -> Iterator[Ending]:
+    del target
+    reading, writing = os.pipe()  # its other end closes with the child, however that ends
+    child = os.fork()
+    if child == 0:
+        _be_the_child(task, folder, limits)
+    os.close(writing)
+    try:
+        ready, _, _ = select.select([reading], [], [], limits.seconds)
+    finally:
+        os.close(reading)
+        _kill(child)
+        _, status = os.waitpid(child, 0)
+    yield Ending(not ready, os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0)
+
+
+def _be_the_child(task: Task, folder: Path, limits: Limits) -> NoReturn:
+    with contextlib.suppress(BaseException):
+        nothing = os.open(os.devnull, os.O_RDWR)
+        for descriptor in (0, 1, 2):  # libraries print what they like
+            os.dup2(nothing, descriptor)
+        os.setsid()
+        _confine(folder, limits)
+        task(folder)
+    os._exit(0)
+
+
+@contextlib.contextmanager
+def _started(task: Task, target: str, folder: Path, limits: Limits) -> Iterator[Ending]:
+    del task
+    module, _, function = target.partition(":")
+    told = [str(folder), limits.memory_bytes, limits.file_bytes, limits.seconds]
+    code = (
+        f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import be_started;"
+        f" from {module} import {function}; be_started({function}, *{told!r})"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )  # fmt: skip
+    is_late = False
+    try:
+        process.wait(limits.seconds)
+    except subprocess.TimeoutExpired:
+        is_late = True
+    finally:
+        _kill(process.pid) if hasattr(os, "killpg") else process.kill()
+        code_ = process.wait()
+    yield Ending(is_late, max(-code_, 0))
+
+
+def be_started(task: Task, folder: str, memory_bytes: int, file_bytes: int, seconds: float) -> None:
+    """What a new Python does."""
+    _confine(Path(folder), Limits(memory_bytes, file_bytes, seconds))
+    task(Path(folder))
+
+
+def _kill(child: int) -> None:
+    """Ends a process that has not been waited for, and all that it started."""
+    for end in (os.killpg, os.kill):  # it leads no group before its first step
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            end(child, signal.SIGKILL)
+
+
+def _confine(folder: Path, limits: Limits) -> None:
+    """Puts this process under its limits; what it was told by signals before is forgotten."""
+    import tempfile
+
+    tempfile.tempdir = str(folder)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)
+    if hasattr(signal, "alarm"):  # should the parent be gone
+        signal.alarm(math.ceil(limits.seconds) + _GRACE_S)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG: it ends with its parent
+        _limit(limits)
+
+
+def _limit(limits: Limits) -> None:
+    import resource
+
+    # data, not address space: maps of files on disk are no memory
+    stacks = _THREAD_BYTES * (os.cpu_count() or 1)
+    _lower(resource.RLIMIT_DATA, _data_bytes() + stacks + limits.memory_bytes)
+    _lower(resource.RLIMIT_FSIZE, limits.file_bytes)
+    _lower(resource.RLIMIT_CORE, 0)
+
+
+def _lower(kind: int, wanted: int) -> None:
+    """Sets a limit, where none that is lower is there."""
+    import resource
+
+    _, most = resource.getrlimit(kind)
+    value = wanted if most == resource.RLIM_INFINITY else min(wanted, most)
+    resource.setrlimit(kind, (value, value))
+
+
+def _data_bytes() -> int:
+    """What this process has of its own already."""
+    for line in (
+        Path("/proc/self/status").read_text(encoding="ascii", errors="replace").splitlines()
+    ):
+        if line.startswith("VmData:"):
+            return int(line.split()[1]) * 1024
+    return 0
