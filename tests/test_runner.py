@@ -22,6 +22,22 @@ from simcompare.scenarios import catalogue
 PATIENCE_S = 120.0
 #: for engines that hang; the others are through long before it, also on a busy machine
 LIMIT_S = 15.0
+NOISY = (
+    "os.write(1, b'C to stdout\\n'); os.write(2, b'C to stderr\\n');"
+    "print('Python to stdout'); print('Python to stderr', file=sys.stderr)"
+)
+#: the worker's connection to its runner, in a toy engine that looks for it
+FIND_IT = (
+    "import socket, stat; from simcompare.running import messages, wire;"
+    "numbers = [int(n) for n in os.listdir('/proc/self/fd')];"
+    "is_there = lambda n: os.path.exists(f'/proc/self/fd/{n}');"
+    "is_it = lambda n: is_there(n) and stat.S_ISSOCK(os.fstat(n).st_mode);"
+    "it = socket.socket(fileno=next(filter(is_it, numbers)));"
+)
+#: a process that lives on, which has every descriptor and is of no group that could be ended
+LEFT_BEHIND = (
+    "import ctypes; ctypes.CDLL(None).fork() or (os.setsid(), time.sleep(40), os._exit(0))"
+)
 #: what each toy engine does inside ``simulate``
 BAD = {
     "aborts": "os.abort()",
@@ -34,11 +50,20 @@ BAD = {
     "short": "signals['ball.position_m'] = signals['ball.position_m'][:-3]",
     "returns_nothing": "return None",
     "cannot_travel": "extra = dict(notes=(lambda: 0,))",
+    "odd_note": "extra = dict(notes=(3,))",
+    "writes_everywhere": FIND_IT + "[os.write(n, b'10 %\\n' * 99) for n in numbers if is_there(n)]",
+    "closes_all": "os.closerange(3, 4096)",
+    "hangs_up": FIND_IT + "it.shutdown(2); time.sleep(600)",
+    "forges": FIND_IT + "wire.send(it, {'number': 7, 'status': 'failed', 'reason': 'x'})",
+    "floods": FIND_IT + "it.sendall(wire._START.pack(wire._MARK, bytes(8), 9, 10**10, 0))",
+    "goes_behind_a_child": f"{LEFT_BEHIND}; os._exit(9)",
 }
-NOISY = (
-    "os.write(1, b'C to stdout\\n'); os.write(2, b'C to stderr\\n');"
-    "print('Python to stdout'); print('Python to stderr', file=sys.stderr)"
-)
+#: what does no harm
+HARMLESS = {
+    "noisy": NOISY,
+    "closes_some": "os.closerange(3, 21)",
+    "reads": "extra = dict(notes=(sys.stdin.read(),))",
+}
 ABSENT = (
     "from simcompare.kit import EngineBackend, Feature, PipPackage\n"
     "class Backend(EngineBackend):\n"
@@ -59,12 +84,11 @@ def jobs_for(names, fall, repeats=1):
 def outcomes(add_engine, fall):
     """Outcomes by engine, of one run with every kind of bad engine between two good ones."""
     add_engine("good")
-    add_engine("noisy", NOISY)
     add_engine("broken", on_import="import no_such_module")
     add_engine("absent", code=ABSENT)
-    for name, during in BAD.items():
+    for name, during in {**BAD, **HARMLESS}.items():
         add_engine(name, during)
-    names = ["good", *BAD, "broken", "absent", "noisy"]
+    names = ["good", *BAD, "broken", "absent", *HARMLESS]
     found = run_jobs(jobs_for(names, fall), time_limit_s=LIMIT_S)
     assert [o.job.engine for o in found] == names
     return {o.job.engine: o for o in found}
@@ -73,8 +97,8 @@ def outcomes(add_engine, fall):
 def test_every_fault_stays_with_its_engine(outcomes):
     assert {name: o.status for name, o in outcomes.items()} == {
         **dict.fromkeys(BAD, FAILED),
+        **dict.fromkeys(HARMLESS, OK),
         "good": OK,
-        "noisy": OK,
         "broken": FAILED,
         "absent": MISSING,
     }
@@ -92,6 +116,13 @@ def test_every_fault_stays_with_its_engine(outcomes):
         "short": "398 samples",
         "returns_nothing": "returns_nothing",
         "cannot_travel": "cannot_travel",
+        "odd_note": "string",
+        "writes_everywhere": "it sent bytes that are no frame; its process was ended",
+        "closes_all": "the connection to simcompare is broken",
+        "hangs_up": "its process ended early",
+        "forges": "it sent an answer that nobody asked for",
+        "floods": "expected at most",
+        "goes_behind_a_child": "its process ended early with exit code 9",
         "broken": "no_such_module",
         "absent": "pip install 'simcompare[absent]'",
     }.items():

@@ -1,5 +1,7 @@
 """Jobs: plain picklable values; the same job runs in-process, in a worker or on another machine.
 
+A job travels as a pickle, what comes of it as a record of numbers and texts.
+
 A job simulates a scenario; an inquiry asks an engine something else, such as how its contact
 bounces. Both are work for the engine's own process.
 """
@@ -8,9 +10,9 @@ from __future__ import annotations
 
 import math
 import traceback
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
-from typing import Generic, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from simcompare.engine import engines
 from simcompare.engine.backend import Backend, KnownLimit
@@ -23,6 +25,7 @@ from simcompare.model.settings import Settings
 from simcompare.model.trajectory import Trajectory
 
 Answer = TypeVar("Answer")
+Answered = TypeVar("Answered", covariant=True)
 
 #: how a job can end
 OK, UNSUPPORTED, MISSING, FAILED = "ok", "unsupported", "missing", "failed"
@@ -69,18 +72,31 @@ class Job:
         return Outcome(self, FAILED, reason, noise=noise)
 
 
+class Ask(Protocol[Answered]):
+    """A question to an engine.
+
+    Attributes:
+        kind: type of the answer: a record, which travels as plain values.
+    """
+
+    kind: ClassVar[type[Any]]
+
+    def __call__(self, backend: Backend) -> Answered:
+        """The answer of an engine."""
+
+
 @dataclass(frozen=True)
 class Inquiry(Generic[Answer]):
     """One question to one engine, answered in a process of its own.
 
     Attributes:
         engine: name of the engine.
-        ask: the question: called with the engine's backend, its answer can be pickled.
+        ask: the question: called with the engine's backend, it says what its answer is.
         about: what it is about, for whoever reads the answers.
     """
 
     engine: str
-    ask: Callable[[Backend], Answer]
+    ask: Ask[Answer]
     about: str = ""
 
     def execute(self) -> Reply[Answer]:
@@ -276,7 +292,18 @@ def _checked(job: Job, trajectory: Trajectory) -> Trajectory:
     if not isinstance(trajectory, Trajectory):
         raise EngineBroken(f"{job.engine} returned {type(trajectory).__name__}, not a Trajectory")
     wall = {str(stage): float(seconds) for stage, seconds in trajectory.wall_s.items()}
-    numbers = list(wall.values())
+    named = replace(trajectory, source=job.source, contact=job.mode, wall_s=wall)
+    check_numbers(job, named)
+    named.to_columns()
+    if not named.audit:
+        note = "this backend read nothing back: whether the engine took what was set is not known"
+        named = replace(named, notes=(*named.notes, note))
+    return named
+
+
+def check_numbers(job: Job, trajectory: Trajectory) -> None:
+    """Raises ``EngineBroken`` where times or the audit hold values that are no numbers."""
+    numbers = list(trajectory.wall_s.values())
     for row in trajectory.audit:
         held = (row.scenario_value, row.set_value, row.read_value)
         numbers += [value for value in held if value is not None]
@@ -284,9 +311,3 @@ def _checked(job: Job, trajectory: Trajectory) -> Trajectory:
         raise EngineBroken(
             f"{job.engine} returned times or an audit with values that are no numbers"
         )
-    named = replace(trajectory, source=job.source, contact=job.mode, wall_s=wall)
-    named.to_columns()
-    if not named.audit:
-        note = "this backend read nothing back: whether the engine took what was set is not known"
-        named = replace(named, notes=(*named.notes, note))
-    return named

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import os
-import pickle
 import queue
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Sequence
+from collections import deque
 from typing import IO, Any
 
 from simcompare.running.jobs import Inquiry, Job, Outcome, Reply
-from simcompare.running.worker import FAREWELL, read_frame, write_frame
+from simcompare.running.messages import most_bytes, received
+from simcompare.running.wire import BadFrame, receive, send
+from simcompare.running.worker import Work, packed
 
 #: how long an engine may take to end after its last result [s]
 LEAVE_LIMIT_S = 2.0
@@ -41,7 +43,7 @@ class EngineProcess:
 
     def __init__(self, engine: str) -> None:
         self.engine = engine
-        self.jobs: Sequence[Job | Inquiry[Any]] = ()
+        self.jobs: Work = ()
         self.deadline, self.done = 0.0, 0
         # whoever reads it does not move the place where the process writes
         self.stderr: IO[bytes] = tempfile.TemporaryFile("a+b")  # noqa: SIM115  (closed by the runner)
@@ -49,13 +51,17 @@ class EngineProcess:
         self._exit_code: int | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._has_ended = False
+        self._fault = ""
+        #: jobs without an answer, each with its number in this process and its index
+        self._owed: deque[tuple[int, int, Job | Inquiry[Any]]] = deque()
+        self._given = 0
 
     @property
     def lives(self) -> bool:
         """Whether it can be given jobs."""
         return not self._has_ended
 
-    def begin(self, jobs: Sequence[Job | Inquiry[Any]], inbox: Inbox, *, is_last: bool) -> None:
+    def begin(self, jobs: Work, inbox: Inbox, *, is_last: bool) -> None:
         """Gives it jobs, whose outcomes come into the inbox.
 
         Args:
@@ -64,84 +70,124 @@ class EngineProcess:
             is_last: whether it ends after them.
         """
         self.jobs, self.done, self._inbox = jobs, 0, inbox
+        self._owed.extend((self._given + i, i, job) for i, job in enumerate(jobs))
+        self._given += len(jobs)
         if self._process is None:
-            self._process = self._started()
-            threading.Thread(target=self._listen, args=(self._process,), daemon=True).start()
-        more = (self._process, jobs, is_last)
-        threading.Thread(target=self._tell, args=more, daemon=True).start()
+            self._start()
+        threading.Thread(target=self._tell, args=(jobs, is_last), daemon=True).start()
 
-    def _started(self) -> subprocess.Popen[bytes]:
+    def _start(self) -> None:
         # the child gets this process' import path, wherever simcompare and the engines come from
         path = f"import sys; sys.path[:] = {sys.path!r}"
-        code = f"{path}; from simcompare.running.worker import main; main()"
-        return subprocess.Popen(
-            [sys.executable, "-c", code],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self.stderr,
-            # Ctrl-C reaches the runner alone, which then ends its processes
-            start_new_session=True,
-        )
+        # a connection of its own: an engine may print, read and write what it likes elsewhere
+        self._connection, theirs = socket.socketpair()
+        code = f"{path}; from simcompare.running.worker import main; main({theirs.fileno()})"
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", code],
+                stdin=subprocess.DEVNULL,
+                stdout=self.stderr,
+                stderr=self.stderr,
+                pass_fds=[theirs.fileno()],
+                # Ctrl-C reaches the runner alone, which then ends its processes
+                start_new_session=True,
+            )
+        threading.Thread(target=self._listen, daemon=True).start()
+        if hasattr(os, "waitid"):
+            threading.Thread(target=self._watch, args=(self._process.pid,), daemon=True).start()
 
-    def _tell(
-        self, process: subprocess.Popen[bytes], jobs: Sequence[Job | Inquiry[Any]], is_last: bool
-    ) -> None:
-        assert process.stdin is not None
-        # if it died at once, the end of its output says so
-        with contextlib.suppress(BrokenPipeError):
-            # stdin stays open: its end tells the worker that this process is gone
-            write_frame(process.stdin, pickle.dumps(list(jobs), protocol=5))
+    def _tell(self, jobs: Work, is_last: bool) -> None:
+        # if it died at once, the end of its answers says so
+        with contextlib.suppress(OSError):
+            send(self._connection, *packed(jobs))
             if is_last:
-                write_frame(process.stdin, FAREWELL)
+                send(self._connection, *packed(()))
 
-    def _listen(self, process: subprocess.Popen[bytes]) -> None:
-        assert process.stdout is not None
-        while (payload := read_frame(process.stdout)) is not None:
-            self._inbox.put((self, pickle.loads(payload)))
+    def _listen(self) -> None:
+        try:
+            while (ended := self._next()) is not None:
+                self._inbox.put((self, ended))
+        except OSError:  # the runner has ended it
+            pass
+        except Exception as error:  # noqa: BLE001  (an engine may have sent anything)
+            self._fault = f"it sent {error}" if isinstance(error, BadFrame) else _unread(error)
         self._has_ended = True
         self._inbox.put((self, None))
+
+    def _next(self) -> Message:
+        """The next answer; ``None`` where the process has ended."""
+        most = most_bytes(self._owed[0][2]) if self._owed else 0
+        frame = receive(self._connection, most)
+        if frame is None:
+            return None
+        if not self._owed:
+            raise BadFrame("an answer that nobody asked for")
+        number, index, job = self._owed.popleft()
+        return index, received(number, job, *frame)
+
+    def _watch(self, number: int) -> None:
+        """Ends the connection with the process: what it has started may hold it open."""
+        with contextlib.suppress(OSError):
+            os.waitid(os.P_PID, number, os.WEXITED | os.WNOWAIT)
+            self._connection.shutdown(socket.SHUT_RD)  # what was sent before can still be read
 
     def stop(self) -> None:
         """Ends the process and everything that it started; only once, its number may be reused."""
         if self._process is None or self._exit_code is not None:
             return
-        if hasattr(os, "killpg"):
-            with contextlib.suppress(ProcessLookupError):  # it and its children are gone
-                os.killpg(self._process.pid, signal.SIGKILL)
-        else:  # pragma: no cover  (Windows)
-            self._process.kill()
+        with contextlib.suppress(ProcessLookupError):  # it and its children are gone
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._exit_code = self._process.wait()
 
     def noise(self) -> str:
         """What the process printed during its last jobs, the end of it where it is long."""
-        self.stderr.seek(self._heard)
-        raw = self.stderr.read()
-        self._heard += len(raw)
-        text = raw.decode("utf-8", errors="replace").strip()
+        size = self.stderr.seek(0, os.SEEK_END)
+        # a letter takes four bytes at most
+        self.stderr.seek(max(self._heard, size - 4 * _NOISE_KEPT - 4))
+        self._heard = size
+        text = self.stderr.read().decode("utf-8", errors="replace").strip()
         return text if len(text) <= _NOISE_KEPT else "… " + text[-_NOISE_KEPT:]
 
     def leave(self) -> int:
         """Waits a moment for the process to end by itself, else ends it; its exit code."""
         assert self._process is not None
-        assert self._process.stdin is not None
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(LEAVE_LIMIT_S)
         self.stop()  # also what the process itself left behind
-        with contextlib.suppress(BrokenPipeError):
-            self._process.stdin.close()
+        with contextlib.suppress(OSError):  # the other end is gone
+            self._connection.shutdown(socket.SHUT_RDWR)
+        self._connection.close()
         assert self._exit_code is not None
         return self._exit_code
 
     def dismiss(self) -> None:
         """Tells a process that was kept to end."""
-        assert self._process is not None
-        assert self._process.stdin is not None
-        with contextlib.suppress(BrokenPipeError):
-            write_frame(self._process.stdin, FAREWELL)
+        with contextlib.suppress(OSError):
+            send(self._connection, *packed(()))
 
     def how_it_died(self) -> str:
         """One sentence on the end of a process that owed outcomes."""
+        assert self._process is not None
+        if self._fault:
+            self.stop()
+            self.leave()
+            return f"{self.engine}: {self._fault}; its process was ended"
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(LEAVE_LIMIT_S)
+        was_there = self._process.poll() is None
         code = self.leave()
+        if was_there:
+            return f"{self.engine}: it closed its connection to simcompare; its process was ended"
         if code < 0:
-            return f"{self.engine}: its process was killed by {signal.Signals(-code).name}"
+            return f"{self.engine}: its process was killed by {_signal(-code)}"
         return f"{self.engine}: its process ended early with exit code {code}"
+
+
+def _unread(error: Exception) -> str:
+    return f"its answer cannot be read ({type(error).__name__}: {error})".replace("\n", "; ")
+
+
+def _signal(number: int) -> str:
+    with contextlib.suppress(ValueError):  # it has no name
+        return signal.Signals(number).name
+    return f"signal {number}"

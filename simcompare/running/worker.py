@@ -1,67 +1,86 @@
-"""The process in which one engine runs: jobs come in on stdin, outcomes go out on stdout.
+"""The process in which one engine runs: jobs come in and answers go out on one own connection.
 
-Everything that the engine itself prints, also from C, is sent to stderr, which the runner keeps.
+All that the engine itself prints, also from C, goes where the runner keeps it.
 """
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import os
 import pickle
 import queue
-import struct
+import socket
 import sys
 import threading
-from typing import IO, Any
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
 
 from simcompare.running.jobs import Inquiry, Job
+from simcompare.running.messages import sent
+from simcompare.running.wire import Arrays, receive, send
 
-HEADER = struct.Struct("<Q")
-#: a frame after which no jobs follow
-FAREWELL = b""
+#: a descriptor that is not among those that a program opens and closes without a thought
+_OUT_OF_THE_WAY = 200
+#: what jobs may have: the runner is trusted
+_ANY_BYTES = 2**62
 
-
-def main() -> None:
-    """Reads frames with lists of jobs and writes one frame per outcome, as each ends."""
-    results = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
-    frames: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(frames,), daemon=True).start()
-    while (payload := frames.get()) != FAREWELL:
-        jobs: list[Job | Inquiry[Any]] = pickle.loads(payload)
-        for index, job in enumerate(jobs):
-            write_frame(results, _pickled(index, job))
+Work = Sequence[Job | Inquiry[Any]]
 
 
-def _pickled(index: int, job: Job | Inquiry[Any]) -> bytes:
-    outcome = job.execute()
+def main(descriptor: int) -> None:
+    """Receives lists of jobs, and sends one answer for each as it ends.
+
+    Args:
+        descriptor: of the connection to the runner.
+    """
+    connection = socket.socket(fileno=_moved(descriptor))
+    os.register_at_fork(after_in_child=connection.close)
+    works: queue.SimpleQueue[Work] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=(connection, works), daemon=True).start()
+    number = 0
+    while work := works.get():
+        for job in work:
+            _answer(connection, number, job)
+            number += 1
+
+
+def _moved(descriptor: int) -> int:
+    """Another descriptor of the same connection, which the engine's own children do not get."""
     try:
-        return pickle.dumps((index, outcome), protocol=5)
+        moved = fcntl.fcntl(descriptor, fcntl.F_DUPFD_CLOEXEC, _OUT_OF_THE_WAY)
+    except OSError:  # so many may not be open here
+        os.set_inheritable(descriptor, False)
+        return descriptor
+    os.close(descriptor)
+    return moved
+
+
+def _answer(connection: socket.socket, number: int, job: Job | Inquiry[Any]) -> None:
+    ended = job.execute()
+    with contextlib.suppress(Exception):  # an engine may have taken it away
+        sys.stdout.flush()
+    try:
+        head, arrays = sent(number, ended)
+        send(connection, head, arrays)
+    except OSError as error:
+        print(f"the connection to simcompare is broken: {error}", file=sys.stderr, flush=True)
+        os._exit(1)
     except Exception as error:  # noqa: BLE001  (a backend may have put anything into its result)
         reason = f"{job.engine}: its result cannot be sent: {type(error).__name__}: {error}"
-        return pickle.dumps((index, job.failed(reason)), protocol=5)
+        send(connection, *sent(number, job.failed(reason)))
 
 
-def _listen(frames: queue.SimpleQueue[bytes]) -> None:
-    """Takes frames in; ends this process when the runner is gone: then stdin is at its end."""
-    while (payload := read_frame(sys.stdin.buffer)) is not None:
-        frames.put(payload)
-        if payload == FAREWELL:
-            os.read(0, 1)
+def packed(work: Work) -> tuple[dict[str, Any], Arrays]:
+    """Jobs as the parts of a frame; none of them: there will be no more."""
+    return {}, [np.frombuffer(pickle.dumps(list(work), protocol=5), np.uint8)]
+
+
+def _listen(connection: socket.socket, works: queue.SimpleQueue[Work]) -> None:
+    """Takes jobs in; ends this process when the runner is gone."""
+    with contextlib.suppress(OSError, ValueError):
+        while (frame := receive(connection, _ANY_BYTES)) is not None:
+            works.put(pickle.loads(frame[1][0].data))
     os._exit(1)
-
-
-def write_frame(stream: IO[bytes], payload: bytes) -> None:
-    """Writes one length-prefixed frame."""
-    stream.write(HEADER.pack(len(payload)))
-    stream.write(payload)
-    stream.flush()
-
-
-def read_frame(stream: IO[bytes]) -> bytes | None:
-    """Reads one frame; ``None`` at the end of the stream, also in the middle of a frame."""
-    header = stream.read(HEADER.size)
-    if len(header) < HEADER.size:
-        return None
-    (size,) = HEADER.unpack(header)
-    payload = stream.read(size)
-    return payload if len(payload) == size else None

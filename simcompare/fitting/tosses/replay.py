@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -44,6 +44,7 @@ class Replay:
             that nothing is interpolated.
     """
 
+    kind: ClassVar[type[Any]] = Replayed
     roles: TossRoles
     toss: Toss
     values: Mapping[str, float]
