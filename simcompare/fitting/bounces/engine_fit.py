@@ -1,4 +1,4 @@
-"""What a fit found for one engine, common to those in its plain loop and those with helps."""
+"""What a fit found for one engine: in any loop, and in its plain one."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from simcompare.fitting.bounces.deviations import Deviation
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.model.audit import AuditRow
 from simcompare.model.scenario import Scenario
-from simcompare.model.trajectory import Trajectory
+from simcompare.model.trajectory import Array, Trajectory
+from simcompare.model.tuning import TuningRow
+from simcompare.results.records.fit_engines import Impact, Number
 from simcompare.running.jobs import Outcome
 
 #: what of an audit a user's own loop needs for the contact
-_CONTACT = ("restitution", "friction", "solref", "contact", "sleep", "engine step")
+_CONTACT = ("restitution", "friction", "contact", "sleep", "engine step")
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,33 @@ class EngineFit:
     wall_s: float = 0.0
     outcome: Outcome | None = field(default=None, repr=False)
     runs: tuple[tuple[Scenario, Trajectory], ...] = field(default=(), repr=False)
+
+
+@dataclass(frozen=True)
+class TunedFit(EngineFit):
+    """What a user types into a plain loop of one engine, and what it then does.
+
+    Attributes:
+        numbers: the engine's own, for the restitution.
+        step_s: the engine step for which they hold [s].
+        restitution: what they were tuned to at the first recorded impact, and its u.
+        impacts: what each recorded impact showed, drop by drop.
+        penetration_m: largest depth in the drops [m].
+        tuning: how the numbers were found.
+        held: what the held-out drops showed.
+        held_m: heights of their apexes in the plain loop, the drop first [m].
+        phases: at how many phases of the step each drop was run.
+    """
+
+    numbers: tuple[Number, ...] = ()
+    step_s: float = 0.0
+    restitution: tuple[float, float] = (0.0, 0.0)
+    impacts: tuple[Impact, ...] = ()
+    penetration_m: float = 0.0
+    tuning: tuple[TuningRow, ...] = field(default=(), repr=False)
+    held: tuple[Deviation, ...] = ()
+    held_m: tuple[Array, ...] = ()
+    phases: int = 0
 
 
 def contact_rows(run: Trajectory) -> tuple[AuditRow, ...]:

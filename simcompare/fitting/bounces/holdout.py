@@ -10,11 +10,10 @@ import numpy as np
 
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
 from simcompare.fitting.bounces.averaging import Averaged
-from simcompare.fitting.bounces.engine_fit import EngineFit
+from simcompare.fitting.bounces.engine_fit import EngineFit, TunedFit
 from simcompare.fitting.bounces.held_out_law import OfLaw, of_law, shown_of
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.tuned_fit import TunedFit
 from simcompare.model.trajectory import Array
 from simcompare.results.records.fit_holdout import (
     EngineHoldout,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.fitting.bounces.likelihood import Fit
-from simcompare.fitting.bounces.unknowns import external, slope
+from simcompare.fitting.bounces.unknowns import slope
 from simcompare.model.trajectory import Array
 from simcompare.statistics import identifiability as statistics
 from simcompare.statistics import least_squares
@@ -28,10 +28,5 @@ def _slopes(fit: Fit) -> Array:
     """Derivatives of the unknowns to the internal numbers; at no drag those of 1/v_t² itself."""
     return np.array([
         1 / slope(name, float(value)) if np.isfinite(value) else -1.0
-        for name, value in zip(fit.names, _shown_values(fit), strict=True)
+        for name, value in zip(fit.names, fit.values, strict=True)
     ])  # fmt: skip
-
-
-def _shown_values(fit: Fit) -> list[float]:
-    """Estimates as the reader sees them."""
-    return [float(external(name, x)) for name, x in zip(fit.names, fit.x, strict=True)]

@@ -15,13 +15,12 @@ from simcompare.fitting.bounces.averaging import Averaged, alone
 from simcompare.fitting.bounces.bootstrap import parametric
 from simcompare.fitting.bounces.budget import budgets
 from simcompare.fitting.bounces.deviations import Deviation
-from simcompare.fitting.bounces.engine_fit import EngineFit
+from simcompare.fitting.bounces.engine_fit import EngineFit, TunedFit
 from simcompare.fitting.bounces.identifiability import identifiability
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import COVERAGE, Fit
 from simcompare.fitting.bounces.one_number import OneNumber
 from simcompare.fitting.bounces.roles import Roles
-from simcompare.fitting.bounces.tuned_fit import TunedFit
 from simcompare.fitting.bounces.tuning_goal import TuningGoal
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array

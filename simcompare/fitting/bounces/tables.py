@@ -225,27 +225,22 @@ def from_rebounds(
                    height_numbers=tuple(which), missed=_missed(which))  # fmt: skip
 
 
-def from_table(table: BounceTable, drop_height_m: float | None = None, u_m: float = 0.0) -> Impacts:
+def from_table(table: BounceTable) -> Impacts:
     """One drop from a table of rebound heights.
-
-    Args:
-        table: as it was read.
-        drop_height_m: height of the drop, where the table's head does not give it [m].
-        u_m: its standard uncertainty; half a millimetre where it is 0 [m].
 
     Raises:
         InputError: the heights contradict each other.
     """
     rows = [q for q in table.quantities if q.name == HEIGHT]
-    name = table.path.name
-    if drop_height_m is None and "drop_height" in table.parameters:
-        drop_height_m = units.to_si(table.parameters["drop_height"], "m", f"{name}, drop_height")
-    drop = None if drop_height_m is None else (drop_height_m, u_m or _U_DROP_M)
+    name, drop = table.path.name, None
+    if "drop_height" in table.parameters:
+        height_m = units.to_si(table.parameters["drop_height"], "m", f"{name}, drop_height")
+        drop = height_m, _U_DROP_M
     u = [np.nan if q.u is None else q.u for q in rows]
     found = from_rebounds(
         [q.value for q in rows], u, numbers=_numbers(rows), drop_height=drop, source=name
     )
-    if drop is not None and not u_m:
+    if drop is not None:
         note = "the drop height has no stated uncertainty; half a millimetre was taken"
         found = replace(found, notes=(*found.notes, note))
     return found

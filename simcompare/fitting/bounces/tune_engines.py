@@ -27,10 +27,9 @@ from simcompare.fitting.bounces.deviations import (
     scenes,
     uneven,
 )
-from simcompare.fitting.bounces.engine_fit import contact_rows
+from simcompare.fitting.bounces.engine_fit import TunedFit, contact_rows
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.roles import Roles
-from simcompare.fitting.bounces.tuned_fit import TunedFit
 from simcompare.fitting.bounces.tuning_goal import CONTACT_STEPS, TuningGoal
 from simcompare.inference.defect_correction import wall_s
 from simcompare.model.scenario import Scenario
