@@ -17,13 +17,15 @@ from simcompare.model.fittable import Fittable
 from simcompare.model.plain import Plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.signals import Signal
+from simcompare.model.tabled import Tabled
 from simcompare.model.uncertain import Uncertain
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 from simcompare.scenarios.scenario_checks import faults_between_parts
+from simcompare.scenarios.tabled_faults import tabled_faults
 from simcompare.scenarios.uncertain_faults import inherited, uncertain_faults
 
 #: keys of the file that describe it rather than the scene
-HEAD_KEYS = ("parameters", "presets", "fit", "uncertainty")
+HEAD_KEYS = ("parameters", "presets", "fit", "uncertainty", "table")
 #: names a scenario that this one is a variant of
 EXTENDS = "extends"
 #: what expressions call the time between samples
@@ -72,6 +74,7 @@ class _Head(BaseModel):
     presets: Mapping[str, Preset] = Field(default_factory=dict)
     fit: Fittable | None = None
     uncertainty: Uncertain | None = None
+    table: Tabled | None = None
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,7 @@ class ScenarioFile:
         extends: files that this one is a variant of, the nearest first.
         fit: what of it can be fitted, ``None`` where nothing is named.
         uncertainty: how well its parameters are known, ``None`` where nothing is said.
+        table: how a table of results is read for it, ``None`` where nothing is said.
     """
 
     path: Path
@@ -97,6 +101,7 @@ class ScenarioFile:
     extends: tuple[Path, ...] = ()
     fit: Fittable | None = None
     uncertainty: Uncertain | None = None
+    table: Tabled | None = None
 
     @property
     def name(self) -> str:
@@ -268,12 +273,16 @@ def read(path: Path) -> ScenarioFile:
         values = _values_despite_faults(raw)
     bodies = scene.get("bodies")
     faults.update(_head_faults(head, bodies if isinstance(bodies, dict) else {}))
-    faults.update(build(scene, values, None)[1])
+    scenario, wrong = build(scene, values, None)
+    faults.update(wrong)
+    if head.table is not None:
+        faults.update(tabled_faults(head.table, values, scenario))
     if faults:
         raise InputError(str(path), describe(faults, lines))
     return ScenarioFile(
-        path, head.parameters, head.presets, scene, lines, extended, head.fit, head.uncertainty
-    )
+        path, head.parameters, head.presets, scene, lines, extended, head.fit, head.uncertainty,
+        head.table,
+    )  # fmt: skip
 
 
 def _read_with_bases(

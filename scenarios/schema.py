@@ -11,6 +11,7 @@ from typing import Any
 from simcompare.model.fittable import Fittable
 from simcompare.model.plain import Plain
 from simcompare.model.scenario import Scenario
+from simcompare.model.tabled import Tabled
 from simcompare.model.uncertain import Uncertain
 from simcompare.scenarios.scenario_file import SCHEMA_PATH, Parameter, Preset
 
@@ -29,10 +30,14 @@ def build() -> Plain:
     uncertain = Uncertain.model_json_schema()
     definitions.update(uncertain.pop("$defs"))
     definitions["Uncertain"] = uncertain
+    tabled = Tabled.model_json_schema()
+    definitions.update(tabled.pop("$defs"))
+    definitions["Tabled"] = tabled
     schema["properties"]["parameters"] = _mapping_of("Parameter")
     schema["properties"]["presets"] = _mapping_of("Preset")
     schema["properties"]["fit"] = {"$ref": "#/$defs/Fittable"}
     schema["properties"]["uncertainty"] = {"$ref": "#/$defs/Uncertain"}
+    schema["properties"]["table"] = {"$ref": "#/$defs/Tabled"}
     schema["properties"]["extends"] = {"type": "string"}
     schema["title"] = "simcompare scenario"
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
@@ -49,7 +54,10 @@ def build() -> Plain:
     return {**schema, "if": {"required": ["extends"]}, "then": variant, "else": whole}
 
 
-_PLAIN = ("Parameter", "Preset", "Fittable", "Grid", "Uncertain", "KnownBy")
+_PLAIN = (
+    "Parameter", "Preset", "Fittable", "Grid", "Uncertain", "KnownBy", "Tabled", "TabledColumn",
+    "Assumed",
+)  # fmt: skip
 
 
 def _mapping_of(name: str) -> Plain:

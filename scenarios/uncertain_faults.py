@@ -16,9 +16,10 @@ from simcompare.statistics.stated import is_nothing, stated
 def inherited(base: Plain, change: Plain) -> Plain:
     """The tree of a scenario without what a variant of it does not inherit.
 
-    That is what is said of parameters that the variant takes away, and all formulas: its motion may
-    be another one.
+    That is what is said of parameters that the variant takes away, all formulas, and how a table of
+    results is read: its motion may be another one.
     """
+    base = {key: value for key, value in base.items() if key != "table"}
     said, changed = base.get("uncertainty"), change.get("parameters")
     if not isinstance(said, dict) or not isinstance(said.get("inputs"), dict):
         return base

@@ -23,7 +23,8 @@ def validate(
         None,
         "--recording",
         "-r",
-        help="A public recording (simcompare data list), an imported one, or a log.",
+        help="A public recording (simcompare data list), an imported one, a log, or a table of"
+        " results such as lengths and periods.",
         autocompletion=complete.recordings,
     ),
     engine: str = typer.Option(
@@ -53,8 +54,10 @@ def validate(
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
 ) -> None:
     """Hold simulations against a recording of a real device."""
+    from simcompare.cli import table_shown
     from simcompare.model.plain import plain
     from simcompare.verbs import validate as validating
+    from simcompare.verbs.tabled import Tabled
 
     if template:
         if as_json:
@@ -79,6 +82,8 @@ def validate(
             time_limit_s=time_limit,
             progress=progress,
         )
+    if isinstance(result, Tabled):
+        table_shown.finish(result, report=report, opened=opened, as_json=as_json)
     ending.finish_run(
         result,
         lambda: {**plain(result.record), "exit_code": result.exit_code},

@@ -137,6 +137,15 @@ def units_of(measure: Measure, scenario: Scenario) -> dict[str, str]:
     return {name: of_probe if unit == OF_PROBE else unit for name, unit in units.items()}
 
 
+def results_of(scenario: Scenario) -> dict[str, str]:
+    """Every value that a scenario measures, by the scenario's own name -> its unit."""
+    return {
+        measure.name_of(name): unit
+        for measure in scenario.measures
+        for name, unit in units_of(measure, scenario).items()
+    }
+
+
 def side_by_side(measured: Measured, truth: Measured) -> Pairs:
     """Every value that the truth has, beside it."""
     return {

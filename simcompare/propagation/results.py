@@ -18,7 +18,7 @@ def chosen(scenario: Scenario, of: str | None) -> str:
         UnknownName: the scenario has none of that name.
         InputError: none is asked for, and the scenario has no answer.
     """
-    names = list(units_of(scenario))
+    names = list(measures.results_of(scenario))
     if of is None:
         of = scenario.answer.measure if scenario.answer else None
     if of is None:
@@ -27,15 +27,6 @@ def chosen(scenario: Scenario, of: str | None) -> str:
     if of not in names:
         raise UnknownName(f"result of {scenario.name}", of, names)
     return of
-
-
-def units_of(scenario: Scenario) -> dict[str, str]:
-    """Every result -> its unit."""
-    return {
-        measure.name_of(name): unit
-        for measure in scenario.measures
-        for name, unit in measures.units_of(measure, scenario).items()
-    }
 
 
 def value_of(scenario: Scenario, trajectory: Trajectory, of: str) -> float:

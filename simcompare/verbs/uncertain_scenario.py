@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from simcompare import measures
 from simcompare.comparison.repeats import repeats_of, sample_step_s
 from simcompare.engine import engines
 from simcompare.errors import InputError, SimcompareError, UnknownName
@@ -56,7 +57,7 @@ def of_scenario(
         raise InputError("--engine", [f"no closed form: {why}; name an engine, such as all"])
     return record_of(
         request, asked, known, subject=file.name, of=form.of, ways=tuple(ways),
-        unit=results.units_of(nominal)[form.of],
+        unit=measures.results_of(nominal)[form.of],
         beyond=nominal.beyond or closed_form.beyond_near(form, asked),
     )  # fmt: skip
 

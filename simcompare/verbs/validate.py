@@ -29,10 +29,13 @@ from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.validation import records
 from simcompare.validation.records import Compared
+from simcompare.validation.tabled import tables
 from simcompare.verbs import levels
 from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import ValidateRequest
 from simcompare.verbs.result import Result
+from simcompare.verbs.tabled import Tabled
+from simcompare.verbs.validate_table import validate_table
 
 #: what measured trajectories are stored under
 MEASURED = "measured"
@@ -54,18 +57,20 @@ def validate(
     out: str | Path | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
-) -> Result:
-    """Holds simulations against a recording.
+) -> Result | Tabled:
+    """Holds simulations against a recording, or against a table of results.
 
     ::
 
         found = simcompare.validate("pendulum", recording="pendulum_free_swing", engine="mujoco")
         found.table()  # how far the simulation is from the recording
         found.report(open=True)
+        simcompare.validate("pendulum", recording="periods.csv")  # lengths and periods
 
     Args:
         scenario: name, folder or file.
-        recording: a public data set, the folder of an imported recording, or a log.
+        recording: a public data set, the folder of an imported recording, a log, or a table with
+            one experiment in each row.
         engine: ``"all"``, names with commas or a list of names.
         contact: contact level.
         mapping: mapping file, whose ``validate:`` says which channel is which quantity.
@@ -78,7 +83,8 @@ def validate(
         progress: called as ``progress(engine, done, total)``.
 
     Returns:
-        The run; ``record.validation`` holds what was found.
+        The run; ``record.validation`` holds what was found. Of a table of results, what was found
+        itself.
 
     Raises:
         SimcompareError: faults of the arguments, of a file or of the plan.
@@ -89,14 +95,24 @@ def validate(
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
     file = catalogue.load(scenario)
+    if out is not None:
+        store.check_writable(Path(out))
+    request = ValidateRequest(
+        scenario=scenario, engine=engine, set=set, step=step, recording=recording, contact=contact,
+        mapping=mapping, streams=tuple(streams), strict=strict,
+    )  # fmt: skip
+    table = tables.opened(Path(recording)) if mapping is None else None
+    if table is not None and tables.is_one(table, file):
+        return validate_table(
+            table, file, request, chosen, out=None if out is None else Path(out),
+            time_limit_s=time_limit_s, progress=progress,
+        )  # fmt: skip
     source = sources.find(recording, mapping=mapping, strict=strict)
     command = plans.template_command(scenario, recording, mapping)
     plan = plans.choose(source.plans, file.name, command)
     plan = plans.checked(plan, file.resolve(), source.plans)
     overrides = file.read_settings(set or {})
     step_s = None if step is None else one_step_s(step)
-    if out is not None:
-        store.check_writable(Path(out))
     model = model_of(file)
     segments = segments_of(file, plan, source.recording, streams or plan.streams, overrides)
     check_step(model, segments, step, step_s)
@@ -109,10 +125,6 @@ def validate(
     simulated = simulate(
         model, segments, None if fit is None else fit.as_dict(), chosen, contact=contact,
         step_s=step_s, time_limit_s=time_limit_s, progress=progress,
-    )  # fmt: skip
-    request = ValidateRequest(
-        scenario=scenario, engine=engine, set=set, step=step, recording=recording, contact=contact,
-        mapping=mapping, streams=tuple(streams), strict=strict,
     )  # fmt: skip
     done = _run_of(request, file, Compared(source, plan, fit, evaluated, simulated, doubt))
     return done if out is None else store.save(done, Path(out))

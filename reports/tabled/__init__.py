@@ -1,0 +1,1 @@
+"""A table of results against simulations: sentences, figures, tables and the page."""

@@ -1,0 +1,1 @@
+"""A table of results held against simulations: one experiment in each row."""

@@ -1,0 +1,316 @@
+"""What each column of a table of results holds, by its name and its unit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from simcompare import units
+from simcompare.errors import InputError
+from simcompare.hardware.recordings.results_table import Heading
+from simcompare.validation.tabled.vocabulary import Entry, Vocabulary, spoken, told, words
+
+PARAMETER, MEASURED, UNCERTAINTY, COUNT, LEFT_OUT = (
+    "parameter", "measured", "uncertainty", "count", "left out",
+)  # fmt: skip
+#: an uncertainty as a range in which the value certainly lies
+_LIMITS = ("±", "+")
+_U = frozenset(
+    [
+        "±",
+        "+",
+        "−",
+        "Δ",
+        "δ",
+        "σ",
+        "u",
+        "uncertainty",
+        "uncertainties",
+        "unc",
+        "error",
+        "err",
+        "sigma",
+        "std",
+        "stdev",
+        "sd",
+        "stderr",
+        "sem",
+        "delta",
+        "unsicherheit",
+        "fehler",
+        "standard",
+        "deviation",
+    ]
+)
+#: words before the number of a repeat
+_TRIALS = frozenset(
+    [
+        "trial",
+        "run",
+        "attempt",
+        "try",
+        "measurement",
+        "meas",
+        "reading",
+        "repeat",
+        "rep",
+        "test",
+        "versuch",
+        "messung",
+    ]
+)
+_TOTAL = frozenset(["time", "total", "t", "zeit", "gesamtzeit", "elapsed"])
+_NUMBER_OF = frozenset(["number", "count", "anzahl", "num", "n", "N"])
+#: what is calculated from another column
+_DERIVED = re.compile(r"[\^²³√*/=]|sqrt|squared?\b|\blog\b|\bln\b", re.IGNORECASE)
+_TOLD_APART = re.compile(r" #\d+$")
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column holds.
+
+    Attributes:
+        heading: of the column.
+        role: parameter, measured, uncertainty, count or left out.
+        entry: the parameter or result that it holds, or of which it holds the uncertainty.
+        factor: to SI, for one of many that were timed together.
+        count: how many were timed together.
+        repeat: number among repeats of the same measurement.
+        limits: whether an uncertainty is the half-width of a range.
+        relative: whether an uncertainty is a part of the value.
+        of_total: whether a column of counts says how many were timed together.
+        note: why it is left out.
+    """
+
+    heading: Heading
+    role: str
+    entry: Entry | None = None
+    factor: float = 1.0
+    count: int = 1
+    repeat: int | None = None
+    limits: bool = False
+    relative: bool = False
+    of_total: bool = False
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class _Guess:
+    """A column before its neighbours are looked at."""
+
+    meaning: Meaning
+    numbers: tuple[int, ...] = ()
+    is_counted: bool = False
+    is_twice: bool = False
+
+
+def meanings(
+    headings: Sequence[Heading], vocabulary: Vocabulary, faults: list[str]
+) -> list[Meaning]:
+    """What every column holds.
+
+    Args:
+        headings: of all columns, from left to right.
+        vocabulary: the names that columns may have.
+        faults: what is wrong is added here.
+    """
+    guesses: list[_Guess] = []
+    for heading in headings:
+        before = guesses[-1].meaning if guesses else None
+        guesses.append(_guess(heading, vocabulary, before))
+    found = _with_repeats(guesses)
+    found = _with_totals(found, vocabulary)
+    found = _without_means(found)
+    faults += _twice(found)
+    return [_with_factor(one, faults) for one in found]
+
+
+# ---- one column alone --------------------------------------------------------------------------
+
+
+def _guess(heading: Heading, known: Vocabulary, before: Meaning | None) -> _Guess:
+    if not heading.holds_numbers:
+        return _left(heading, "holds no numbers")
+    name = _TOLD_APART.sub("", heading.name)
+    if _DERIVED.search(name):
+        return _left(heading, "is calculated from another column")
+    every = words(name)
+    numbers = tuple(int(word) for word in every if word.isdigit())
+    plain = [word for word in every if not word.isdigit()]
+    if {*plain} & _U or re.match(r"d[A-Z]", name):
+        return _uncertainty(heading, name, plain, known, before)
+    entry = _best(heading, plain, known)
+    if entry is not None:
+        role = PARAMETER if entry.is_parameter else MEASURED
+        counted = bool(told(plain, entry.counted, known.fillers | _TOTAL))
+        twice = name != heading.name
+        return _Guess(Meaning(heading, role, entry), numbers, counted and bool(numbers), twice)
+    return _unnamed(heading, plain, numbers, known)
+
+
+def _left(heading: Heading, note: str) -> _Guess:
+    return _Guess(Meaning(heading, LEFT_OUT, note=note))
+
+
+def _uncertainty(
+    heading: Heading, name: str, plain: Sequence[str], known: Vocabulary, before: Meaning | None
+) -> _Guess:
+    """The uncertainty of what the rest of the name says, or of the column before."""
+    rest = [word for word in plain if word not in _U]
+    if re.match(r"d[A-Z]", name):
+        rest = list(words(name[1:]))
+    if heading.unit in ("%", "percent") and not {*plain} & {"u", "uncertainty", "unsicherheit"}:
+        return _left(heading, "may be a deviation from theory; an uncertainty is called u")
+    entry = _best(heading, rest, known, fits=heading.unit not in ("%", "percent"))
+    if entry is None and not [word for word in rest if word not in known.fillers] and before:
+        entry = before.entry
+    if entry is None:
+        return _left(heading, "is an uncertainty of nothing that is used")
+    limits = any(word in _LIMITS for word in plain)
+    return _Guess(Meaning(heading, UNCERTAINTY, entry, limits=limits))
+
+
+def _best(
+    heading: Heading, plain: Sequence[str], known: Vocabulary, *, fits: bool = True
+) -> Entry | None:
+    """The parameter or result of which a name has the most words, if its unit fits."""
+    found: list[tuple[int, int, int, Entry]] = []
+    for entry in known.entries:
+        extra = _TOTAL if entry.counted else frozenset()
+        fillers = known.fillers | _TRIALS
+        said = told(plain, entry.called, fillers)
+        if entry.counted and not said:
+            said = told(plain, entry.counted, fillers | extra)
+        if said:
+            unit_fits = not fits or _fits(heading.unit, entry.unit)
+            found.append((said + unit_fits, said, -len(found), entry))
+    return max(found, key=lambda one: one[:3])[3] if found else None
+
+
+def _unnamed(
+    heading: Heading, plain: Sequence[str], numbers: tuple[int, ...], known: Vocabulary
+) -> _Guess:
+    """A repeat that is only numbered, how many were timed together, or nothing that is used."""
+    left = {*plain} - known.fillers
+    if left and left <= _TRIALS and numbers and heading.unit:
+        fitting = [one for one in known.entries if one.name in known.leading
+                   and _fits(heading.unit, one.unit)]  # fmt: skip
+        if len(fitting) == 1:
+            return _Guess(Meaning(heading, MEASURED, fitting[0]), numbers)
+    counted = {word for one in known.entries for phrase in one.counted for word in phrase}
+    if left and left <= _NUMBER_OF | counted and heading.unit in ("", "1"):
+        return _Guess(Meaning(heading, COUNT))
+    return _left(heading, "is neither a parameter nor a result of the scenario")
+
+
+def _fits(given: str, wanted: str) -> bool:
+    """Whether a unit is of the wanted kind; one that is not said may be."""
+    if not given:
+        return True
+    try:
+        units.conversion_factor(given, wanted, "")
+    except InputError:
+        return False
+    return True
+
+
+# ---- columns beside each other -----------------------------------------------------------------
+
+
+def _with_repeats(guesses: Sequence[_Guess]) -> list[Meaning]:
+    """Numbers of headings told apart: those of repeats, and how many were timed together."""
+    found = []
+    for guess in guesses:
+        one = guess.meaning
+        if one.role != MEASURED or not guess.numbers:
+            found.append(replace(one, note="twice") if guess.is_twice else one)
+            continue
+        last = [
+            other.numbers[-1]
+            for other in guesses
+            if (other.meaning.role, other.meaning.entry) == (one.role, one.entry)
+            and len(other.numbers) == len(guess.numbers)
+        ]
+        are_repeats = len(last) > 1 and sorted(last) == [*range(min(last), min(last) + len(last))]
+        counts = guess.numbers[:-1] if are_repeats else guess.numbers
+        repeat = guess.numbers[-1] if are_repeats else None
+        count = next((n for n in counts if n > 1), 1)
+        found.append(replace(one, count=count, repeat=repeat))
+    return found
+
+
+def _with_totals(found: list[Meaning], known: Vocabulary) -> list[Meaning]:
+    """The time of many, where a column says of how many it is."""
+    if not any(one.role == COUNT for one in found):
+        return found
+    if any(one.role == MEASURED and one.entry and one.entry.counted for one in found):
+        note = "is not needed beside the other columns"
+        return [replace(one, role=LEFT_OUT, note=note) if one.role == COUNT else one
+                for one in found]  # fmt: skip
+    made = []
+    for one in found:
+        plain = {word for word in words(one.heading.name) if not word.isdigit()} - known.fillers
+        fitting = [e for e in known.entries if e.counted and _fits(one.heading.unit, e.unit)]
+        if one.role == LEFT_OUT and plain and plain <= _TOTAL and one.heading.unit and fitting:
+            one = Meaning(one.heading, MEASURED, fitting[0], of_total=True)
+        made.append(one)
+    return made
+
+
+def _without_means(found: list[Meaning]) -> list[Meaning]:
+    """Repeats stand for themselves: what is calculated from them is left out."""
+    better = {
+        one.entry.name
+        for one in found
+        if one.role == MEASURED and one.entry and (one.repeat is not None or one.count > 1)
+    }
+    note = "is told by the columns that were measured"
+    return [
+        replace(one, role=LEFT_OUT, note=note)
+        if one.role == MEASURED and one.entry and one.entry.name in better
+        and one.repeat is None and one.count == 1
+        else one
+        for one in found
+    ]  # fmt: skip
+
+
+def _twice(found: Sequence[Meaning]) -> Iterator[str]:
+    """Columns that hold the same, which nothing tells apart."""
+    keys = [
+        (one.role, one.entry.name, one.repeat) if one.entry and one.role != LEFT_OUT else None
+        for one in found
+    ]
+    for key in dict.fromkeys(key for key in keys if key and keys.count(key) > 1):
+        same = [one for one, other in zip(found, keys, strict=True) if other == key]
+        entry = same[0].entry
+        assert entry is not None
+        places = " and ".join(f"{one.heading.number} ({one.heading.text!r})" for one in same[:4])
+        cure = "take one away"
+        if key[0] == MEASURED:
+            letter = _TOLD_APART.sub("", same[0].heading.name)
+            cure = f"if they are repeats, number them: {letter} 1, {letter} 2; else {cure}"
+        of = " the uncertainty of" if key[0] == UNCERTAINTY else ""
+        yield f"columns {places} both hold{of} the {spoken(entry)}; {cure}"
+
+
+def _with_factor(one: Meaning, faults: list[str]) -> Meaning:
+    if one.role in (LEFT_OUT, COUNT) or one.entry is None:
+        return one
+    unit, wanted = one.heading.unit, one.entry.unit
+    if one.role == UNCERTAINTY and unit in ("%", "percent"):
+        return replace(one, factor=0.01, relative=True)
+    if not unit and wanted != "1":
+        such = {"m": "m", "s": "s", "rad": "deg"}.get(wanted, units.symbol(wanted))
+        faults.append(
+            f"column {one.heading.number} ({one.heading.name!r}) says no unit; write it into the"
+            f" heading, such as {one.heading.name} ({such})"
+        )
+        return one
+    try:
+        factor = units.conversion_factor(unit, wanted, "") if unit else 1.0
+    except InputError as error:
+        faults.append(f"column {one.heading.number} ({one.heading.text!r}): {error.faults[0]}")
+        return one
+    return replace(one, factor=factor / one.count)

@@ -1,0 +1,134 @@
+"""Which files are tables of results for a scenario, and what is wrong with one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from simcompare.errors import InputError
+from simcompare.hardware.logs.text import clocks
+from simcompare.hardware.proposed_time import FEW_ROWS
+from simcompare.hardware.recordings import results_table
+from simcompare.hardware.recordings.results_table import Opened, ResultsTable
+from simcompare.model.scenario import Scenario
+from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.validation.tabled.experiments import (
+    SCATTER,
+    Experiment,
+    above,
+    basis_of,
+    experiments,
+)
+from simcompare.validation.tabled.headings import (
+    LEFT_OUT,
+    MEASURED,
+    PARAMETER,
+    Meaning,
+    meanings,
+)
+from simcompare.validation.tabled.vocabulary import Entry, Vocabulary, of_scenario, spoken
+
+
+@dataclass(frozen=True)
+class Read:
+    """A table that has been read for a scenario.
+
+    Attributes:
+        table: as it stands in the file.
+        columns: what each of them holds.
+        found: the experiments.
+        entries: the results that were measured.
+        above: parameters that lines above the table say, SI.
+    """
+
+    table: ResultsTable
+    columns: tuple[Meaning, ...]
+    found: tuple[Experiment, ...]
+    entries: tuple[Entry, ...]
+    above: dict[str, float]
+
+
+def opened(path: Path) -> Opened | None:
+    """A file as a table, ``None`` where it is none of text."""
+    try:
+        return results_table.opened(path) if path.is_file() else None
+    except (InputError, OSError):
+        return None
+
+
+def is_one(table: Opened, file: ScenarioFile) -> bool:
+    """Whether a file holds a result in each row, and not a sample of a log.
+
+    It has a parameter and a result of the scenario, or is short and has no clock at all.
+    """
+    known = of_scenario(file, file.resolve())
+    columns = meanings(table.headings, known, [])
+    roles = {one.role for one in columns}
+    rest = [one.heading for one in columns if one.role in (LEFT_OUT, MEASURED)]
+    has_clock = any(clocks.is_time(one.name) and one.holds_numbers for one in rest)
+    fits = {PARAMETER, MEASURED} <= roles
+    few = table.rows < FEW_ROWS
+    return (fits and (few or not has_clock)) or (few and not has_clock and _has_span(table))
+
+
+def _has_span(table: Opened) -> bool:
+    """Whether some column says how long something takes, which is a result."""
+    return any(clocks.is_span(one.name) for one in table.headings if one.holds_numbers)
+
+
+def read(table: Opened, file: ScenarioFile, scenario: Scenario) -> Read:
+    """A table as experiments.
+
+    Raises:
+        InputError: all that is wrong with it, each with its line or column.
+    """
+    faults: list[str] = []
+    known = of_scenario(file, scenario)
+    columns = meanings(table.headings, known, faults)
+    faults += _missing(columns, known)
+    used = [one.heading.number for one in columns if one.role != LEFT_OUT]
+    label = table.source.label
+    try:
+        numbers = results_table.read(table, used)
+    except InputError as error:
+        raise InputError(label, [*faults, *error.faults]) from None
+    said = above(table.about, known, faults, label)
+    found = experiments(numbers, columns, file, faults)
+    if not faults and not found:
+        faults.append("holds no experiment; expected at least one row of numbers")
+    if not faults:
+        faults += _too_few(found, columns)
+    if faults:
+        raise InputError(label, faults)
+    entries = {one.entry.name: one.entry for one in columns if one.role == MEASURED and one.entry}
+    return Read(numbers, (*columns,), (*found,), (*entries.values(),), said)
+
+
+def _missing(columns: Sequence[Meaning], known: Vocabulary) -> list[str]:
+    """That nothing is set, or nothing measured, with what there could be."""
+    roles = {one.role for one in columns}
+    told = ", ".join(one.heading.text for one in columns)
+    faults = []
+    if PARAMETER not in roles:
+        names = ", ".join(spoken(one) for one in known.entries if one.is_parameter)
+        faults.append(f"no column ({told}) is a parameter; known: {names}")
+    if MEASURED not in roles:
+        names = ", ".join(spoken(one) for one in known.entries if not one.is_parameter)
+        faults.append(f"no column ({told}) is a measured result; known: {names}")
+    return faults
+
+
+def _too_few(found: Sequence[Experiment], columns: Sequence[Meaning]) -> list[str]:
+    """That a single value without an uncertainty tells nothing."""
+    names = {one.entry.name: one for one in columns if one.role == MEASURED and one.entry}
+    faults = []
+    for name, one in names.items():
+        measured = [each for each in found if name in each.readings]
+        if len(measured) < 2 and basis_of(measured, name).kind == SCATTER:
+            such = f"u({one.heading.name}) ({one.heading.unit})"
+            faults.append(
+                f"has one row, so nothing tells how well {one.heading.text} is known; expected two"
+                f" rows or more, repeats, or a column such as {such}"
+            )
+    return faults
