@@ -7,7 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pandas as pd
@@ -20,6 +20,7 @@ from simcompare.reports.compare import page, tables, words
 from simcompare.reports.compare.compared import compared
 from simcompare.reports.compare.figure import deviations, figure
 from simcompare.reports.render.text_tables import lines
+from simcompare.results.records.run import Record
 from tests import validations
 from tests.records import changed
 
@@ -160,13 +161,19 @@ def test_runs_in_which_no_engine_ran_are_left_out_and_named(sweep):
         compared([sweep[0], broken])
 
 
-def test_a_folder_without_a_run_is_told_in_one_sentence(sweep, tmp_path):
-    run = json.loads((sweep[0].folder / "run.json").read_text(encoding="utf-8"))
+def two_validations(run, folder):
+    """Stores two validations, of which only the records are needed."""
+    common = {one.name for one in fields(Record)}
+    kept = {name: value for name, value in plain(run.record).items() if name in common}
     more = {"kind": "validation", "validation": plain(validations.record())}
     for name in ("one", "two"):
-        (tmp_path / name).mkdir()
-        text = json.dumps({**run, **more, "recording_asked": "swings"})
-        (tmp_path / name / "run.json").write_text(text, encoding="utf-8")
+        (folder / name).mkdir()
+        text = json.dumps({**kept, **more, "recording_asked": ["swings"]})
+        (folder / name / "run.json").write_text(text, encoding="utf-8")
+
+
+def test_a_folder_without_a_run_is_told_in_one_sentence(sweep, tmp_path):
+    two_validations(sweep[0], tmp_path)
     with pytest.raises(InputError) as caught:
         simcompare.compare(tmp_path)
     says = "holds 2 validations, and no run; expected runs, or a folder that holds them"
@@ -179,12 +186,7 @@ def test_what_is_no_run_in_a_folder_is_left_out_and_named(sweep, tmp_path):
     damaged = tmp_path / "broken" / "run.json"
     damaged.parent.mkdir()
     damaged.write_text("{", encoding="utf-8")
-    run = json.loads((sweep[0].folder / "run.json").read_text(encoding="utf-8"))
-    more = {"kind": "validation", "validation": plain(validations.record())}
-    for name in ("one", "two"):
-        (tmp_path / name).mkdir()
-        text = json.dumps({**run, **more, "recording_asked": "swings"})
-        (tmp_path / name / "run.json").write_text(text, encoding="utf-8")
+    two_validations(sweep[0], tmp_path)
     found = simcompare.compare(tmp_path).compared
     assert len(found.runs) == 3
     damage, others = words.notes(found)

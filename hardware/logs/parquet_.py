@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import glob
+from io import BufferedReader
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -12,6 +14,7 @@ from simcompare.hardware.logs.binary import arrays
 from simcompare.hardware.logs.binary.arrays import Block
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import Head, RawColumn, RawLog, Spool
+from simcompare.model import parquet
 from simcompare.model.recording import INFO, WARNING, Repair
 
 #: a connection to DuckDB, which has few types
@@ -42,36 +45,45 @@ def read(path: Path, mapping: Mapping) -> RawLog:
     """
     import duckdb
 
-    if any(letter in str(path) for letter in "*?[]"):
-        raise InputError(str(path), ["has *, ?, [ or ] in its name; rename the file"])
     with path.open("rb") as file:
-        file.seek(-min(4, path.stat().st_size), 2)
-        end = file.read()
+        _check_end(file, path)
+        name = parquet.literal(file, path)
+        base = parquet.connect()
+        try:
+            base.execute(f"SET memory_limit='{_MEMORY}'")
+            base.execute("SET threads=1")
+            return _read(base, path, _quoted(glob.escape(name), "'"))
+        except duckdb.Error as error:
+            text = str(error).splitlines()[0][:300].replace(name, path.name)
+            fault = f"is a damaged Parquet file: {text}; copy it again"
+            raise InputError(str(path), [fault]) from None
+        finally:
+            base.close()
+
+
+def _check_end(file: BufferedReader, path: Path) -> None:
+    size = file.seek(0, 2)
+    file.seek(-min(4, size), 2)
+    end = file.read()
     if end != _MAGIC:
-        size = path.stat().st_size
         raise InputError(
             str(path),
             [f"byte {size - 4}: ends with {end!r}, not with 'PAR1'; the file is truncated and its"
              " description, which stands at the end, is lost: copy it again"],
         )  # fmt: skip
-    base = duckdb.connect(":memory:")
-    try:
-        base.execute(f"SET memory_limit='{_MEMORY}'")
-        base.execute("SET threads=1")
-        return _read(base, path)
-    except duckdb.Error as error:
-        text = str(error).splitlines()[0][:300]
-        raise InputError(str(path), [f"is a damaged Parquet file: {text}; copy it again"]) from None
-    finally:
-        base.close()
 
 
-def _read(base: _Base, path: Path) -> RawLog:
+def _read(base: _Base, path: Path, file: str) -> RawLog:
+    """Reads a file that has been opened.
+
+    Args:
+        base: the data base.
+        path: the file, for messages.
+        file: what is read, as SQL takes it.
+    """
     log = RawLog([])
     block = Block("log")
-    base.execute(
-        "CREATE VIEW log AS SELECT * FROM read_parquet(?)".replace("?", _quoted(str(path), "'"))
-    )
+    base.execute(f"CREATE VIEW log AS SELECT * FROM read_parquet({file}, hive_partitioning=false)")
     types = base.execute("DESCRIBE log").fetchall()
     wanted: list[tuple[str, str, str]] = []  # name, expression, unit
     for name, kind, *_ in types:
@@ -90,7 +102,7 @@ def _read(base: _Base, path: Path) -> RawLog:
         raise InputError(str(path), ["holds no rows"])
     for (name, _, unit), values in zip(wanted, spool.columns(), strict=True):
         block.columns.append(RawColumn(name, values, unit))
-    _about(base, path, log)
+    _about(base, file, log)
     log.streams.append(arrays.stream_of(block, {}, row_word="row"))
     log.repairs += block.repairs
     return log
@@ -173,10 +185,8 @@ def _list(base: _Base, name: str, kind: str, log: RawLog) -> list[tuple[str, str
     return [(full, f"{column}[{i + 1}]", unit) for i, full in enumerate(names)]
 
 
-def _about(base: _Base, path: Path, log: RawLog) -> None:
-    rows = base.execute(
-        f"SELECT key, value FROM parquet_kv_metadata({_quoted(str(path), chr(39))})"
-    ).fetchall()
+def _about(base: _Base, file: str, log: RawLog) -> None:
+    rows = base.execute(f"SELECT key, value FROM parquet_kv_metadata({file})").fetchall()
     for key, value in rows:
         name = arrays.shorten(key)
         if not name.startswith(("ARROW:", "pandas")):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from simcompare.errors import OutputError
+from simcompare.model import whole
 from simcompare.results.store import RECORD
 
 #: our name, as the files that a program makes tell who made them
@@ -37,22 +36,16 @@ def write(path: Path, content: bytes, mark: bytes) -> Path:
     path = path.resolve() if path.is_symlink() else path
     if path.exists() and not path.is_file():
         raise OutputError(f"{path}: is no file, and is left as it is; choose another place")
-    # several reports may be written at once, so the name holds the process
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
         if path.exists() and not _is_ours(path, mark):
             raise OutputError(f"{path}: is another file, and is left as it is; choose another name")
         path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_bytes(content)
-        partial.replace(path)
+        whole.write(path, content)
     except OSError as error:
         raise OutputError(
             f"{path}: cannot be written ({error.strerror or error});"
             " nothing was kept, free some space or choose another place"
         ) from None
-    finally:
-        with contextlib.suppress(OSError):
-            partial.unlink()
     return path
 
 

@@ -32,7 +32,7 @@ def read(path: Path, again: str) -> object:
         InputError: it cannot be read, or is no JSON.
     """
     try:
-        with whole.opened(path) as file:
+        with whole.opened(path, links=True) as file:
             text = file.read().decode()
         return json.loads(
             text, parse_constant=_no_number, parse_float=_finite, parse_int=_countable
@@ -43,21 +43,21 @@ def read(path: Path, again: str) -> object:
         raise InputError(str(path), [f"cannot be read: {_damage(error)}; {again}"]) from None
 
 
-def record(kind: type[Record], data: object, path: Path, *, is_old: bool = False) -> Record:
+def record(kind: type[Record], data: object, path: Path, *, more: bool = False) -> Record:
     """A record out of the plain values of a file.
 
     Args:
         kind: its type.
         data: the plain values.
         path: the file, for messages.
-        is_old: whether they may hold what has no place any more.
+        more: whether they may hold what the record has no place for.
 
     Raises:
         InputError: they are none of it; says what is wrong, place by place.
     """
     try:
         found = of_plain(kind, data)
-        unknown = [] if is_old else sorted(_unknown(data, plain(found)))
+        unknown = [] if more else sorted(_unknown(data, plain(found)))
     except ValidationError as error:
         raise InputError(str(path), faults(error)) from None
     if unknown:

@@ -77,15 +77,20 @@ def sweep(inside: Path) -> None:
 
 
 @contextlib.contextmanager
-def opened(path: Path) -> Iterator[BufferedReader]:
-    """A file of a stored folder, opened for reading: a link, a pipe or a device is none.
+def opened(path: Path, *, links: bool = False) -> Iterator[BufferedReader]:
+    """A file of a stored folder, opened for reading: a pipe or a device is none.
+
+    Args:
+        path: the file.
+        links: whether a link to a file is one.
 
     Raises:
         OSError: it is none, or cannot be opened.
     """
-    if not stat.S_ISREG(path.lstat().st_mode):
-        raise OSError("it is no file, or a link, which is not followed")
-    with open(path, "rb", opener=_without_waiting) as file:
+    if not stat.S_ISREG(path.stat(follow_symlinks=links).st_mode):
+        raise OSError("it is no file" if links else "it is no file, or a link")
+    opener = _followed if links else _not_followed
+    with open(path, "rb", opener=opener) as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):  # it has just been changed
             raise OSError("it is no file")
         yield file
@@ -124,9 +129,14 @@ def _hidden(place: Path, make: Callable[[Path], None]) -> Iterator[Path]:
         yield made
 
 
-def _without_waiting(path: str, flags: int) -> int:
-    """Opens a file; the writer of a pipe is not waited for, and a link not followed."""
-    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
+def _followed(path: str, flags: int) -> int:
+    """Opens a file; the writer of a pipe is not waited for."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def _not_followed(path: str, flags: int) -> int:
+    """Opens a file that is no link."""
+    return _followed(path, flags | getattr(os, "O_NOFOLLOW", 0))
 
 
 def _sweep(path: Path) -> None:

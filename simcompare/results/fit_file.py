@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from simcompare.engine.assist import ALL, chosen
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.helps import HELPS
 from simcompare.errors import InputError, NoSuchFile, UnknownName
+from simcompare.model import record_file
 from simcompare.model.audit import AuditRow
 from simcompare.model.fittable import BOUNCES, TOSSES, WAVEFORM
-from simcompare.model.plain import faults, of_plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, TUNED, PairNumbers, Settings
 from simcompare.results.records.fit_engines import OneRestitution, RunWith, Tuned
@@ -205,19 +202,10 @@ def _known(values: Mapping[str, float], file: ScenarioFile) -> dict[str, float]:
     return {name: value for name, value in values.items() if name in names}
 
 
-def _damaged(path: Path, error: Exception) -> InputError:
+def _damaged(path: Path, said: str) -> InputError:
     """What is said of a file that is no fit, or was changed by hand."""
-    if isinstance(error, FileNotFoundError):
-        return NoSuchFile(path, f"a {FILE} of simcompare fit")
-    if isinstance(error, IsADirectoryError):
-        return InputError(str(path), [f"is a folder without {FILE}; expected that of a fit"])
-    said = "; ".join(faults(error)) if isinstance(error, ValidationError) else str(error)
-    if isinstance(error, json.JSONDecodeError):
-        said = f"it is cut off or changed in line {error.lineno}"
-    return InputError(
-        str(path),
-        [f"is no fit of simcompare fit, or is damaged ({said}); fit again and take its fit.json"],
-    )
+    fault = f"is no fit of simcompare fit, or is damaged ({said}); fit again and take its {FILE}"
+    return InputError(str(path), [fault])
 
 
 def find(text: str) -> Path | None:
@@ -237,24 +225,19 @@ def read(path: Path) -> FitFile:
     Raises:
         InputError: there is none, or it is damaged.
     """
+    if path.is_dir():
+        raise InputError(str(path), [f"is a folder without {FILE}; expected that of a fit"])
+    if not path.exists():
+        raise NoSuchFile(path, f"a {FILE} of simcompare fit")
+    tree = record_file.read(path, f"fit again and take its {FILE}")
+    _refuse_record(path, tree)
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
-        _refuse_record(path, tree)
-        if tree.get("by", BOUNCES) == WAVEFORM:
-            raise InputError(
-                str(path), ["is a fit of signals over time; give its parameters with --set"]
-            )
-        fit = of_plain(_Stored, tree)
-        if fit.by not in (BOUNCES, TOSSES):
-            raise ValueError(f"by: {fit.by!r}; expected {BOUNCES} or {TOSSES}")
-        if fit.contact not in (TUNED, ASSISTED):
-            raise ValueError(f"contact: {fit.contact!r}; expected {TUNED} or {ASSISTED}")
-        chosen(fit.assist)
-        _check_plausible(fit.run_with)
-    except InputError:
-        raise
-    except (OSError, ValueError, AttributeError, RecursionError, UnknownName) as error:
-        raise _damaged(path, error) from None
+        fit = record_file.record(_Stored, tree, path, more=True)
+        _check_plausible(fit)
+    except InputError as error:
+        raise _damaged(path, "; ".join(error.faults)) from None
+    except (ValueError, UnknownName) as error:
+        raise _damaged(path, str(error)) from None
     return FitFile(
         path, fit.scenario, fit.given, fit.run_with.closed, fit.run_with.engines,
         fit.run_with.numbers, fit.contact, fit.assist, fit.valid.speed_m_s, fit.valid.step_s,
@@ -263,19 +246,33 @@ def read(path: Path) -> FitFile:
     )  # fmt: skip
 
 
-def _refuse_record(path: Path, tree: Mapping[str, object]) -> None:
-    """Says of a run.json that it is one, and where the fit is."""
-    kind = tree.get("kind")
+def _refuse_record(path: Path, tree: object) -> None:
+    """Says of what is no fit of use what it is, and where the fit is."""
+    kind, by = (tree.get("kind"), tree.get("by")) if isinstance(tree, dict) else (None, None)
     if kind == "fit":
         raise InputError(str(path), [f"is the record of a fit; give {path.with_name(FILE)}"])
     if kind is not None:
         wrong = f"is the record of a {kind}, in which nothing was fitted"
         raise InputError(str(path), [f"{wrong}; give the {FILE} of simcompare fit"])
+    if by == WAVEFORM:
+        fault = "is a fit of signals over time; give its parameters with --set"
+        raise InputError(str(path), [fault])
 
 
-def _check_plausible(run_with: RunWith) -> None:
-    """An engine's numbers: one coefficient, or the two of a spring and damper as typed in."""
-    for engine, rows in run_with.numbers.items():
+def _check_plausible(fit: _Stored) -> None:
+    """Words that are known, and an engine's numbers as they can be.
+
+    These are one coefficient, or the two of a spring and damper as typed in.
+
+    Raises:
+        ValueError, UnknownName: what is not.
+    """
+    if fit.by not in (BOUNCES, TOSSES):
+        raise ValueError(f"by: {fit.by!r}; expected {BOUNCES} or {TOSSES}")
+    if fit.contact not in (TUNED, ASSISTED):
+        raise ValueError(f"contact: {fit.contact!r}; expected {TUNED} or {ASSISTED}")
+    chosen(fit.assist)
+    for engine, rows in fit.run_with.numbers.items():
         for values in (row.values for row in rows):
             one = len(values) == 1 and 0 < values[0] <= 1
             two = len(values) == 2 and all(math.isfinite(v) and v < 0 for v in values)

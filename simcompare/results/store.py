@@ -23,7 +23,7 @@ from simcompare.model import parquet, plain, whole
 from simcompare.model.parquet import Table
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.results import readings_file, unfinished
+from simcompare.results import cells, readings_file, unfinished
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
 from simcompare.results.unfinished import Unfinished
@@ -180,9 +180,9 @@ def _no_run(place: Path) -> InputError:
 
 def _write_scores(path: Path, scores: tuple[Score, ...]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, [field.name for field in fields(Score)])
-        writer.writeheader()
-        writer.writerows(vars(score) for score in scores)
+        writer = csv.writer(file)
+        writer.writerow(field.name for field in fields(Score))
+        writer.writerows(map(cells.cell, vars(score).values()) for score in scores)
 
 
 def _write_trajectories(folder: Path, entries: tuple[Stored, ...]) -> dict[str, Table]:

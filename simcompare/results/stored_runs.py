@@ -11,13 +11,14 @@ from pathlib import Path
 from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.errors import InputError, NoSuchFile, OutputError
 from simcompare.results.fit_file import FILE as FIT
+from simcompare.results.readings_file import READINGS
 from simcompare.results.records import stored
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run
 from simcompare.results.store import RECORD, SCORES, TRAJECTORIES
 
 #: what we write into the folder of a run
-_OURS = (RECORD, TRAJECTORIES, SCORES, FIT, "report.html", "report.pdf", "report.md")
+_OURS = (RECORD, TRAJECTORIES, READINGS, SCORES, FIT, "report.html", "report.pdf", "report.md")
 #: and into a folder in it, each with the name of the scenario
 _PICTURES, _PICTURE = "figures", r"(run1-)?{scenario}-[\w.-]+\.(png|svg)"
 #: what a new folder is called after

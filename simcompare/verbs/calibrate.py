@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -26,7 +25,7 @@ from simcompare.hardware.sensors.calibrated import Readings
 from simcompare.hardware.sensors.calibration import Calibration, Taken
 from simcompare.hardware.sensors.triads import Triad
 from simcompare.inference import sources
-from simcompare.model import plain, recording_store
+from simcompare.model import plain, record_file, recording_store
 from simcompare.model.recording import Recording
 from simcompare.reports.calibration import words
 from simcompare.results import store
@@ -193,11 +192,12 @@ def _is_stored(source: str | Path | None) -> bool:
 
 def _stored(path: Path) -> Calibrated:
     """A calibration that was stored."""
+    content = record_file.read(path, "calibrate again")
     try:
-        return plain.of_plain(Calibrated, json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError) as error:
-        fault = f"is no stored calibration ({type(error).__name__}); expected {FILE}"
-        raise InputError(str(path), [fault]) from None
+        return record_file.record(Calibrated, content, path)
+    except InputError as error:
+        fault = f"is no stored calibration; expected {FILE} of simcompare calibrate"
+        raise InputError(str(path), [fault, *error.faults]) from None
 
 
 def _simulated(sheet: str, known: _Known, seed: int) -> Calibrated:

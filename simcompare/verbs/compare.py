@@ -18,7 +18,7 @@ from simcompare.reports.render import frames, matplotlib_, output
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
 from simcompare.reports.run.listing import joined
-from simcompare.results import store, stored_runs
+from simcompare.results import cells, store, stored_runs
 from simcompare.results.run import Run
 
 if TYPE_CHECKING:
@@ -91,10 +91,13 @@ class Comparison(Shown):
     def to_csv(self, path: str | Path) -> Path:
         """Writes :attr:`scores` as a CSV file and returns its place.
 
+        An apostrophe stands before a name that a spreadsheet would take for a formula.
+
         Raises:
             OutputError: it cannot be written.
         """
-        text = self.scores.to_csv(index=False, lineterminator="\n")
+        table = self.scores.map(cells.cell).rename(columns=cells.cell)
+        text = table.to_csv(index=False, lineterminator="\n")
         return output.write(Path(path), text.encode("utf-8"), rows.MARK)
 
     @checked

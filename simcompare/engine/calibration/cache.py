@@ -19,6 +19,7 @@ from typing import Protocol, TypeVar
 import platformdirs
 
 from simcompare.engine.calibration.calibration import CannotCalibrate
+from simcompare.model import whole
 from simcompare.model.plain import Finite, of_plain, plain
 
 Answer = TypeVar("Answer")
@@ -97,13 +98,8 @@ def _write(path: Path | None, found: object) -> None:
         return
     with contextlib.suppress(OSError):  # where nothing can be kept, it is found again
         path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_suffix(f".{os.getpid()}")
         text = json.dumps(found)
-        part.write_text(f"{_digest(text)}\n{text}", encoding="utf-8")
-        try:
-            part.replace(path)
-        except OSError:
-            part.unlink()
+        whole.write(path, f"{_digest(text)}\n{text}".encode())
 
 
 def _read(path: Path, kind: type[Answer]) -> Answer | _Refusal:

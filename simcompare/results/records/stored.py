@@ -44,7 +44,7 @@ def of_plain(data: object, path: Path = Path("record")) -> Record:
     if is_old:
         data = of_today(data, FORMAT)
     _expect("kind", data.get("kind"), tuple(_KINDS), path)
-    return record_file.record(_KINDS[data["kind"]], data, path, is_old=is_old)
+    return record_file.record(_KINDS[data["kind"]], data, path, more=is_old)
 
 
 def _check_age(number: object, path: Path) -> None:
