@@ -16,6 +16,8 @@ import traceback
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+#: exit code of what Ctrl-C, or the end of a terminal or of a batch job, has ended
+INTERRUPTED = 130
 #: folder of our own code
 _HERE = Path(__file__).parent
 #: how names of files end, and no name of ours

@@ -191,17 +191,21 @@ def write(tmp_path: Path):
 def call(monkeypatch, capsys, tmp_path):
     """Runs the command line in this process: ``call("list") -> (exit code, stdout, stderr)``."""
     from simcompare.cli import main
+    from simcompare.running import interruption
 
     def run(*words: object) -> tuple[Any, str, str]:
         monkeypatch.chdir(tmp_path)
         monkeypatch.setattr(sys, "argv", ["simcompare", *map(str, words)])
         capsys.readouterr()
-        handler = signal.getsignal(signal.SIGTERM)  # the command line takes it over
+        handlers = {number: signal.getsignal(number) for number in interruption.SIGNALS}
+        hook = sys.unraisablehook  # the command takes all of it over
         try:
             with pytest.raises(SystemExit) as stop:
                 main()
         finally:
-            signal.signal(signal.SIGTERM, handler)
+            sys.unraisablehook = hook
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
         out, err = capsys.readouterr()
         return stop.value.code or 0, out, err
 

@@ -5,26 +5,18 @@ Nothing heavy is imported here: ``--help``, ``list`` and completion must answer 
 
 from __future__ import annotations
 
-import errno
 import functools
 import gc
-import io
-import os
-import signal
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import typer
 
 from simcompare import arguments
-from simcompare.cli import examples, manner, misplaced
-from simcompare.errors import OutputError, SimcompareError
+from simcompare.cli import examples, manner, misplaced, streams
+from simcompare.errors import INTERRUPTED, SimcompareError
+from simcompare.running import interruption
 
-#: errors of the system that mean that a disk takes no more
-_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 #: new objects after which Python looks for circles of them
 _COLLECTED = 100_000
 
@@ -34,8 +26,11 @@ class _Verbs(manner.Group):
 
     def make_context(self, *words: Any, **extra: Any) -> Any:  # noqa: ANN401
         manner.reset()
-        with _readers_may_leave():
-            return super().make_context(*words, **extra)
+        try:
+            with streams.readers_may_leave():
+                return super().make_context(*words, **extra)
+        except KeyboardInterrupt:
+            raise _interrupted() from None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401
         name, *rest = args
@@ -45,41 +40,26 @@ class _Verbs(manner.Group):
 
     def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
         try:
-            with _readers_may_leave(), arguments.given_as_options():
+            with streams.readers_may_leave(), arguments.given_as_options():
                 return super().invoke(ctx)
         except SimcompareError as error:
             manner.show_error(error)
             raise typer.Exit(error.exit_code) from None
-        except KeyboardInterrupt:
-            typer.echo("simcompare: interrupted", err=True)
-            raise typer.Exit(130) from None
+        except KeyboardInterrupt as stop:
+            raise _interrupted(str(stop)) from None
+        except Exception as error:
+            # an import that is cut short ends in any error
+            if isinstance(error, typer.Exit) or not interruption.came():
+                raise
+            raise _interrupted() from None
         finally:
             manner.reset()
 
 
-@contextmanager
-def _readers_may_leave() -> Iterator[None]:
-    """The reader of a pipe may go away, as in ``simcompare list | head -1``; that is no failure.
-
-    A disk that is full, to which the output goes, is one.
-    """
-    try:
-        yield
-    except BrokenPipeError:
-        _forget_stdout()
-        raise typer.Exit(0) from None
-    except OSError as error:
-        if error.errno not in _FULL:
-            raise
-        _forget_stdout()
-        text = f"the output cannot be written ({error.strerror}); free some space"
-        typer.echo(f"simcompare: {text}", err=True)
-        raise typer.Exit(OutputError.exit_code) from None
-
-
-def _forget_stdout() -> None:
-    """What is not printed yet goes nowhere, or Python would complain when it ends."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _interrupted(more: str = "") -> typer.Exit:
+    """Says so; gives what ends the command."""
+    typer.echo(f"simcompare: interrupted{more and '; '}{more}", err=True)
+    return typer.Exit(INTERRUPTED)
 
 
 app = typer.Typer(
@@ -104,10 +84,6 @@ def _version(
 
         typer.echo(importlib.metadata.version("simcompare"))
         raise typer.Exit
-
-
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt
 
 
 def _verb(name: str, function: Callable[..., None], **settings: Any) -> None:  # noqa: ANN401
@@ -166,36 +142,16 @@ def register() -> None:
     app.add_typer(data.data, name="data")
 
 
-class _Forgiving(io.FileIO):
-    """A file that loses what it cannot take: where errors cannot be told, exit codes still hold."""
-
-    def write(self, data: Any) -> int:  # noqa: ANN401
-        try:
-            return int(super().write(data))
-        except OSError:
-            return len(data)
-
-
-def _keep_streams() -> None:
-    """Streams that can always be written to, also where the caller has closed them."""
-    sys.stdout = sys.stdout or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
-    given = sys.__stderr__
-    if given is None:
-        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
-    elif sys.stderr is given:
-        raw = _Forgiving(given.fileno(), "w", closefd=False)
-        sys.stderr = io.TextIOWrapper(io.BufferedWriter(raw), given.encoding, line_buffering=True)
-
-
 def main() -> None:
-    """Entry point of the ``simcompare`` command."""
+    """What the command does; it is begun in ``simcompare/__main__.py``."""
     # a command makes many lasting objects and few circles: seldom looked for, these cost less
     gc.set_threshold(_COLLECTED)
-    # an ended terminal or batch job stops a run as Ctrl-C does: workers ended, results kept
-    signal.signal(signal.SIGTERM, _interrupt)
-    register()
-    _keep_streams()
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):  # a terminal without the signs for ± and ζ
-            stream.reconfigure(errors="replace")
-    app()
+    interruption.take_over()
+    try:
+        register()
+        streams.keep()
+        app()
+    except KeyboardInterrupt:
+        raise SystemExit(_interrupted().exit_code) from None
+    finally:
+        interruption.leave()

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import shlex
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
-from simcompare.cli import console, opening
+from simcompare.cli import console, opening, streams
+from simcompare.errors import INTERRUPTED, OutputError, SimcompareError
 
 if TYPE_CHECKING:
     from simcompare.model.plain import Plain
     from simcompare.reports.render.parts import Block
     from simcompare.results.run import Run
-
-#: exit code of what Ctrl-C ended
-INTERRUPTED = 130
 
 
 def finish(
@@ -26,6 +26,7 @@ def finish(
     *,
     as_json: bool,
     page: Path | None = None,
+    note: str = "",
 ) -> NoReturn:
     """Prints the answer, as JSON or for people, and ends the command.
 
@@ -35,11 +36,13 @@ def finish(
         exit_code: with which the command ends.
         as_json: whether JSON is printed.
         page: what is opened in the browser, ``None`` for nothing.
+        note: said on stderr where stdout takes no more.
     """
-    if as_json:
-        console.print_json(plain())
-    else:
-        show()
+    with streams.readers_may_leave(exit_code, note):
+        if as_json:
+            console.print_json(plain())
+        else:
+            show()
     opening.open_page(page)
     raise typer.Exit(exit_code)
 
@@ -63,9 +66,19 @@ def finish_run(
         opened: whether it is opened in the browser.
         as_json: whether JSON is printed.
     """
-    page = _write_report(result) if report else None
     code = INTERRUPTED if result.record.interrupted else result.exit_code
-    finish(plain, lambda: show(page), code, page=page if opened else None, as_json=as_json)
+    if result.record.interrupted:
+        typer.echo(_how_far(result), err=True)
+    with _told_where(result.folder):
+        page, fault = _written(result) if report else (None, None)
+        try:
+            finish(
+                plain, lambda: show(page), code,
+                page=page if opened else None, as_json=as_json, note=_stored(result.folder),
+            )  # fmt: skip
+        finally:
+            if fault is not None:  # the answer is told all the same
+                raise fault
 
 
 def finish_block(
@@ -93,15 +106,12 @@ def finish_block(
         as_json: whether JSON is printed.
         figures: format of files of the figures, ``None`` for none.
     """
-    page = _write_block(block, folder, figures, report=report)
-    finish(plain, lambda: show(page), exit_code, page=page if opened else None, as_json=as_json)
-
-
-def show_end(result: Run, page: Path | None) -> None:
-    """Prints that a run was interrupted, where it is stored, and its report."""
-    if result.record.interrupted:
-        typer.echo("Interrupted: what had finished is kept.", err=True)
-    show_places(result.folder, page)
+    with _told_where(folder):
+        page = _write_block(block, folder, figures, report=report)
+        finish(
+            plain, lambda: show(page), exit_code,
+            page=page if opened else None, as_json=as_json, note=_stored(folder),
+        )  # fmt: skip
 
 
 def show_places(folder: Path | None, page: Path | None) -> None:
@@ -127,9 +137,38 @@ def _write_block(
     return files[-1] if files else None
 
 
-def _write_report(result: Run) -> Path | None:
+def _written(result: Run) -> tuple[Path | None, SimcompareError | None]:
+    """The page of a report, or why it could not be written."""
     from simcompare.reports import builder
 
     if result.folder is None:
-        return None
-    return builder.write_html([result], result.folder / "report.html")
+        return None, None
+    try:
+        return builder.write_html([result], result.folder / "report.html"), None
+    except OutputError as error:
+        return None, OutputError(f"{error}\n{_stored(result.folder)}; {_later(result.folder)}")
+
+
+@contextmanager
+def _told_where(folder: Path | None) -> Iterator[None]:
+    """Ctrl-C, when all is stored already, says so."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(_stored(folder)) from None
+
+
+def _stored(folder: Path | None) -> str:
+    return "" if folder is None else f"stored in {folder}"
+
+
+def _later(folder: Path) -> str:
+    return f"its report can be made later: {shlex.join(['simcompare', 'report', str(folder)])}"
+
+
+def _how_far(result: Run) -> str:
+    """What an interrupted run has kept, and how to go on with it."""
+    sources, repeats = result.record.sources, result.record.repeats
+    done = f"{sum(source.repeats for source in sources)} of {len(sources) * repeats}"
+    told = f"simcompare: interrupted; {done} simulations had finished"
+    return told if result.folder is None else f"{told} and are kept in {result.folder}"

@@ -59,7 +59,7 @@ def show(result: Run, written: Path | None) -> None:
     if manner.is_verbose():
         _show_all(result, found)
     _show_places(result, found)
-    ending.show_end(result, written)
+    ending.show_places(result.folder, written)
 
 
 def _show(table: Table | None) -> None:

@@ -134,7 +134,7 @@ def _show(result: Run, page: Path | None, *, details: bool) -> None:
         _show_all(result)
     else:
         console.print_wrapped(remarks.failures(result))
-    ending.show_end(result, page)
+    ending.show_places(result.folder, page)
 
 
 def _show_sensing(result: Run) -> None:

@@ -122,7 +122,7 @@ def _print(result: Run, page: Path | None) -> None:
     console.print_wrapped(_printable(text) for text in told if text not in said)
     if manner.is_verbose():
         _show_all(result)
-    ending.show_end(result, page)
+    ending.show_places(result.folder, page)
 
 
 def _show_all(result: Run) -> None:

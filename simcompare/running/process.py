@@ -24,7 +24,8 @@ LEAVE_LIMIT_S = 2.0
 _NOISE_KEPT = 4000
 
 Message = tuple[int, Outcome | Reply[Any]] | None
-Inbox = queue.Queue[tuple["EngineProcess", Message]]
+#: ``None`` where there is only something else to look at
+Inbox = queue.SimpleQueue[tuple["EngineProcess", Message] | None]
 
 
 class EngineProcess:

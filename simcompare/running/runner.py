@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Any, overload
 
 from simcompare.errors import InputError
+from simcompare.running import interruption
 from simcompare.running.jobs import Answer, Inquiry, Job, Outcome, Reply
 from simcompare.running.process import EngineProcess, Inbox
 
@@ -23,6 +24,8 @@ _MAX_WAIT_S = 3600.0
 _LOG = logging.getLogger(__name__)
 
 Progress = Callable[[str, int, int], None]
+#: takes a job, and how it ended, when it has
+Keep = Callable[[Any, Any], None]
 _Ended = Outcome | Reply[Any]
 #: processes that wait for further jobs, by engine; ``None`` where each ends with its last job
 _waiting: ContextVar[dict[str, EngineProcess] | None] = ContextVar("waiting", default=None)
@@ -48,14 +51,14 @@ def kept_processes() -> Iterator[None]:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run; carries what had finished.
+    """A run that Ctrl-C ended; carries what had finished.
 
     Attributes:
         outcomes: outcomes of all jobs, those that had not finished as failed.
     """
 
     def __init__(self, outcomes: list[Any]) -> None:
-        super().__init__("interrupted")
+        super().__init__()
         self.outcomes = outcomes
 
 
@@ -66,6 +69,7 @@ def run_jobs(
     time_limit_s: float = ...,
     processes: int | None = ...,
     progress: Progress | None = ...,
+    keep: Keep | None = ...,
 ) -> list[Outcome]: ...
 @overload
 def run_jobs(
@@ -81,6 +85,7 @@ def run_jobs(
     time_limit_s: float = TIME_LIMIT_S,
     processes: int | None = None,
     progress: Progress | None = None,
+    keep: Keep | None = None,
 ) -> Any:
     """Runs jobs, each engine's in a process of its own.
 
@@ -89,6 +94,7 @@ def run_jobs(
         time_limit_s: longest time for one job [s].
         processes: engines at the same time; as many as there are processors where ``None``.
         progress: called as ``progress(engine, done, total)`` when a job ends.
+        keep: called as ``keep(job, outcome)`` with what a process gave, before all else.
 
     Returns:
         One outcome for every job, in the order of the jobs.
@@ -103,13 +109,15 @@ def run_jobs(
         by_engine.setdefault(job.engine, []).append(job)
     results: dict[tuple[str, int], _Ended] = {}
     crew = _Crew(by_engine, processes or os.cpu_count() or 1, time_limit_s)
-    try:
-        crew.work(results, progress, len(ordered))
-    except KeyboardInterrupt:
-        raise Interrupted(_collect(by_engine, ordered, results)) from None
-    finally:
-        crew.stop()
-    return _collect(by_engine, ordered, results)
+    with interruption.held(crew.look_up):
+        try:
+            is_done = crew.work(results, progress, keep, len(ordered))
+        finally:
+            crew.stop()
+        collected = _collect(by_engine, ordered, results)
+        if not is_done:
+            raise Interrupted(collected)
+    return collected
 
 
 def check_time_limit(time_limit_s: float) -> None:
@@ -127,35 +135,62 @@ class _Crew:
         self._jobs, self._processes, self._limit_s = by_engine, processes, limit_s
         self._to_start = list(by_engine)
         self._running: list[EngineProcess] = []
-        self._inbox: Inbox = queue.Queue()
+        # what a signal puts into it must not wait for whoever takes out: other queues have locks
+        self._inbox: Inbox = queue.SimpleQueue()
+
+    def look_up(self) -> None:
+        """Ends a wait for messages: there is something else to look at."""
+        self._inbox.put(None)
 
     def work(
-        self, results: dict[tuple[str, int], _Ended], progress: Progress | None, total: int
-    ) -> None:
-        """Starts processes as places become free and gathers outcomes until all are in."""
+        self,
+        results: dict[tuple[str, int], _Ended],
+        progress: Progress | None,
+        keep: Keep | None,
+        total: int,
+    ) -> bool:
+        """Starts processes as places become free and gathers outcomes until all are in.
+
+        Returns:
+            Whether they are; they are not where Ctrl-C came before.
+        """
         while self._to_start or self._running:
+            if interruption.came():
+                self._take_last(results, keep)
+                return False
             while self._to_start and len(self._running) < self._processes:
                 self._running.append(self._started(self._to_start.pop(0)))
             wait = min(process.deadline for process in self._running) - time.monotonic()
             try:
                 timeout = min(max(wait, 0.01), _MAX_WAIT_S)
-                process, message = self._inbox.get(timeout=timeout)
+                received = self._inbox.get(timeout=timeout)
             except queue.Empty:
                 self._end_late_ones(results)
                 continue
+            if received is None:
+                continue
+            process, message = received
             if process not in self._running:
                 continue  # ended for being late; this is the end of its output
             if message is None:
                 self._close(process, results, process.how_it_died())
                 continue
-            index, outcome = message
-            results[process.engine, index] = outcome
+            _take(process, message, results, keep)
             process.done += 1
             process.deadline = time.monotonic() + self._limit_s
             if progress is not None:
                 progress(process.engine, len(results), total)
             if process.done == len(process.jobs):
                 self._close(process, results, "")
+        return True
+
+    def _take_last(self, results: dict[tuple[str, int], _Ended], keep: Keep | None) -> None:
+        """Gathers what has come already, when nothing more is waited for."""
+        with contextlib.suppress(queue.Empty):
+            while True:
+                process, message = self._inbox.get_nowait() or (None, None)
+                if process in self._running and message is not None:
+                    _take(process, message, results, keep)
 
     def _started(self, engine: str) -> EngineProcess:
         """A process at work on the jobs of an engine: one that was kept, or a new one."""
@@ -202,6 +237,18 @@ class _Crew:
         """Ends every process that is still at work."""
         for process in self._running:
             process.stop()
+
+
+def _take(
+    process: EngineProcess,
+    message: tuple[int, _Ended],
+    results: dict[tuple[str, int], _Ended],
+    keep: Keep | None,
+) -> None:
+    index, outcome = message
+    if keep is not None:
+        keep(process.jobs[index], outcome)
+    results[process.engine, index] = outcome
 
 
 def _collect(
