@@ -82,10 +82,11 @@ class EngineProcess:
         path = f"import sys; sys.path[:] = {sys.path!r}"
         # a connection of its own: an engine may print, read and write what it likes elsewhere
         self._connection, theirs = socket.socketpair()
-        code = f"{path}; from simcompare.running.worker import main; main({theirs.fileno()})"
+        guarded = f"from simcompare.running import guard; guard.begin({theirs.fileno()})"
+        main = f"from simcompare.running.worker import main; main({theirs.fileno()})"
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-c", code],
+                [sys.executable, "-c", f"{path}; {guarded}; {main}"],
                 stdin=subprocess.DEVNULL,
                 stdout=self.stderr,
                 stderr=self.stderr,
