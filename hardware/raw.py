@@ -7,6 +7,7 @@ a table that DuckDB keeps, these rules would be longer, so long columns lie in u
 from __future__ import annotations
 
 import tempfile
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -36,11 +37,18 @@ def blocks(count: int) -> Iterator[slice]:
 
 def told_apart(names: Iterable[str]) -> list[str]:
     """The names, each of them once: what stands again is ``t #2``, ``t #3``."""
-    made: list[str] = []
+    made: dict[str, None] = {}  # in order, each once
+    alike: Counter[str] = Counter()
     for name in names:
-        number = 1 + sum(1 for other in made if other == name or other.startswith(f"{name} #"))
-        made.append(name if name not in made else f"{name} #{number}")
-    return made
+        free, number = name, alike[name]
+        while free in made:
+            number += 1
+            free = f"{name} #{number}"
+        made[free] = None
+        # "t #2" is one more that is called so, and one more that is called "t"
+        parts = free.split(" #")
+        alike.update(" #".join(parts[: i + 1]) for i in range(min(len(parts), 10)))
+    return [*made]
 
 
 def room(count: int) -> Array:

@@ -164,11 +164,12 @@ def _why_not(ending: confined.Ending, size: int, limits: confined.Limits) -> str
 
 
 def _over(what: str, size: int, limits: confined.Limits) -> str:
+    memory, disk = limits.memory_bytes / _MB, limits.file_bytes / _MB
     if what == "time":
         limit, variable, more = f"{limits.seconds:.0f} s", TIME_VARIABLE, 10 * limits.seconds
     else:
-        megabytes = limits.memory_bytes / _MB
-        limit, variable, more = f"{megabytes:.0f} MB", MEMORY_VARIABLE, 10 * megabytes
+        limit = f"{memory if what == 'memory' else disk:.0f} MB"
+        variable, more = MEMORY_VARIABLE, 10 * memory
     return (
         f"needs more {what} than a log of {_spoken(size)} may take ({limit}): it is damaged, or"
         f" holds far more than it seems; if it is right, allow more: {variable}={more:.0f}"
@@ -233,8 +234,10 @@ def _exceeded(error: BaseException) -> str:
         name = type(cause).__name__
         if isinstance(cause, MemoryError) or "OutOfMemory" in name:
             return "memory"
-        if isinstance(cause, OSError) and cause.errno in (errno.EFBIG, errno.ENOMEM):
+        if isinstance(cause, OSError) and cause.errno == errno.ENOMEM:
             return "memory"
+        if isinstance(cause, OSError) and cause.errno == errno.EFBIG:
+            return "room on the disk"
     return ""
 
 

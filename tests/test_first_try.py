@@ -10,6 +10,7 @@ import yaml
 
 import simcompare
 from simcompare.errors import InputError
+from simcompare.hardware.raw import told_apart
 
 
 @pytest.fixture
@@ -314,6 +315,7 @@ def test_names_that_stand_twice_are_told_apart_and_can_be_mapped(read, mapped):
     assert [*channels(made)] == ["theta_rad", "t_2_s", "theta_2_rad"]
     line = 'channels: {second: {column: "theta #2", unit: rad}}'
     assert channels(mapped(text, line))["second_rad"].values[-1] == pytest.approx(59 / 30)
+    assert told_apart(["x", "x #3", "x", "y", "y"]) == ["x", "x #3", "x #4", "y", "y #2"]
 
 
 def test_columns_that_a_mapping_leaves_alone_do_not_block(mapped):

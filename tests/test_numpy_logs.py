@@ -18,6 +18,7 @@ from simcompare.hardware.logs.binary import torch_pickle
 from simcompare.hardware.mapping import NOTHING, of_tree
 from simcompare.model.recording import Provenance
 from tests.array_logs import START_NS, TIMES, Evil, faults, load, survives, values
+from tests.text_samples import zipped
 
 
 @pytest.fixture
@@ -296,6 +297,12 @@ def test_a_tensor_that_reaches_beyond_its_storage_is_refused(pt):
 def test_a_truncated_tensor_is_refused_with_its_byte(pt):
     whole = legacy(tensor("7", (100, 2), (2, 1), 200), np.zeros(200))
     assert "80 bytes of the numbers are missing" in faults(pt(whole[:-80]))
+
+
+def test_lists_that_hold_each_other_are_not_walked_without_end(pt):
+    doubled = b"\x80\x02]q\x00" + b"(h\x00h\x00h\x00e" * 1000 + b"."
+    path = pt(zipped({"l/data.pkl": doubled, "l/version": b"3\n"}, zipfile.ZIP_STORED))
+    assert "repeats its parts more than a million times" in faults(path)
 
 
 def test_changed_tensors_give_a_typed_error_or_numbers(pt):

@@ -216,3 +216,9 @@ def test_what_a_sensor_gives_besides_is_not_refused(name, si):
 )  # fmt: skip
 def test_a_name_may_say_its_unit_where_nothing_else_can_be_meant(name, unit):
     assert quantity.unit_in_name(name) == unit
+
+
+@pytest.mark.parametrize("text", ["m0", "s^0", "K^-0", "m*s0"])
+def test_a_power_of_zero_is_no_unit(text):
+    with pytest.raises(InputError, match="is not a unit"):
+        units.si_of(text, "here")

@@ -269,7 +269,7 @@ def _not_a_unit(text: str) -> str:
         difflib.get_close_matches(bare, _USUAL, n=1, cutoff=0.6) if len(bare) > 1 else []
     )
     hint = f"did you mean {near[0]}? E" if near else "e"
-    return f"{text!r} is not a unit; {hint}xpected {_WANTED}"
+    return f"{text!r:.60} is not a unit; {hint}xpected {_WANTED}"
 
 
 def _si_unit(unit: Any, *, is_angle: bool, is_energy: bool) -> str | None:  # noqa: ANN401

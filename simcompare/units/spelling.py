@@ -122,7 +122,7 @@ def _parts(text: str) -> list[tuple[str, int]]:
             below, divided = True, True
         elif match["word"]:
             name, power = _atom(match["word"]), int((match["power"] or "1").replace("−", "-"))
-            if name is None or (divided and (not below or power < 0)):
+            if name is None or not power or (divided and (not below or power < 0)):
                 return []  # what stands behind J/kg K is above or below the line
             parts.append((name, -power if below != outer else power))
             below = False

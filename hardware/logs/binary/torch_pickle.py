@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import pickletools
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -77,8 +77,7 @@ def read(path: Path) -> dict[str, np.ndarray]:
     try:
         with path.open("rb") as file:
             tree, storages = _zipped(path) if file.read(2) == b"PK" else _legacy(path)
-        tensors: dict[str, np.ndarray] = {}
-        _collect(tree, "", storages, tensors, 0)
+        tensors = _collected(tree, storages)
     except (_Refused, ValueError, IndexError, KeyError, *zip_guard.ERRORS) as error:
         text = str(error) if isinstance(error, _Refused) else f"is damaged: {error!r}"
         raise InputError(
@@ -98,8 +97,7 @@ def _legacy(path: Path) -> tuple[object, dict[str, bytes]]:
             _follow(file)
         tree = _follow(file)
         keys = _follow(file)
-        wanted: dict[str, _Storage] = {}
-        _storages(tree, wanted, 0)
+        wanted = _storages(tree)
         data = {}
         for key in keys if isinstance(keys, list) else []:
             at = file.tell()
@@ -124,31 +122,36 @@ def _zipped(path: Path) -> tuple[object, dict[str, bytes]]:
             raise _Refused("has no data.pkl")
         size = path.stat().st_size
         tree = _follow(io.BytesIO(zip_guard.member(archive, main, size)))
-        wanted: dict[str, _Storage] = {}
-        _storages(tree, wanted, 0)
+        wanted = _storages(tree)
         root = main.removesuffix("data.pkl")
         return tree, {key: zip_guard.member(archive, f"{root}data/{key}", size) for key in wanted}
 
 
-def _storages(tree: object, storages: dict[str, _Storage], depth: int) -> None:
-    if isinstance(tree, _Tensor):
-        storages[tree.storage.key] = tree.storage
-    elif isinstance(tree, (list, tuple, dict)) and depth < _MAX_DIMENSIONS:
-        for item in tree.values() if isinstance(tree, dict) else tree:
-            _storages(item, storages, depth + 1)
+def _storages(tree: object) -> dict[str, _Storage]:
+    """The storage of every tensor, by its key."""
+    return {leaf.storage.key: leaf.storage for _, leaf in _tensors(tree)}
 
 
-def _collect(
-    tree: object, name: str, storages: dict[str, bytes], tensors: dict[str, np.ndarray], depth: int
-) -> None:  # fmt: skip
-    if isinstance(tree, _Tensor):
-        tensors[name] = _array(tree, storages)
-    elif isinstance(tree, dict) and depth < _MAX_DIMENSIONS:
-        for key, item in tree.items():
-            _collect(item, f"{name}.{key}".strip("."), storages, tensors, depth + 1)
-    elif isinstance(tree, (list, tuple)) and depth < _MAX_DIMENSIONS:
-        for i, item in enumerate(tree):
-            _collect(item, f"{name}.{i}".strip("."), storages, tensors, depth + 1)
+def _collected(tree: object, storages: dict[str, bytes]) -> dict[str, np.ndarray]:
+    return {name: _array(leaf, storages) for name, leaf in _tensors(tree)}
+
+
+def _tensors(tree: object) -> Iterator[tuple[str, _Tensor]]:
+    """Every tensor and where it stands; lists that hold each other may repeat without end."""
+    for steps, (name, leaf) in enumerate(_walk(tree, "", 0)):
+        if steps > _MAX_STEPS:
+            raise _Refused("repeats its parts more than a million times")
+        if isinstance(leaf, _Tensor):
+            yield name, leaf
+
+
+def _walk(tree: object, name: str, depth: int) -> Iterator[tuple[str, object]]:
+    yield name, tree
+    if depth == _MAX_DIMENSIONS or not isinstance(tree, dict | list | tuple):
+        return
+    items = tree.items() if isinstance(tree, dict) else enumerate(tree)
+    for key, item in items:
+        yield from _walk(item, f"{name}.{key}".strip("."), depth + 1)
 
 
 def _array(tensor: _Tensor, storages: dict[str, bytes]) -> np.ndarray:

@@ -144,19 +144,21 @@ def headings(
     """
     heads = []
     fulls = [" ".join(cell.split()) for cell in cells]
+    counting = _counting(fulls)
     for i, full in enumerate(fulls):
         name, unit = heading(full)
         below = units_below[i] if i < len(units_below) else ""
         below = below.strip(" ()[]{}<>") or ("1" if below.strip() else "")
         if below:
             name, unit = full, below
-        elif full in keep or _counts(full, fulls):
-            name, unit = full, "" if _counts(full, fulls) else unit
+        elif full in keep or full in counting:
+            name, unit = full, "" if full in counting else unit
         heads.append((name or f"column_{i + 1}", unit, full))
     # two headings that differ in their unit alone stay whole
-    whole = [
-        full if len({f for n, _, f in heads if n == name}) > 1 else name for name, _, full in heads
-    ]
+    apart: dict[str, set[str]] = {}
+    for name, _, full in heads:
+        apart.setdefault(name, set()).add(full)
+    whole = [full if len(apart[name]) > 1 else name for name, _, full in heads]
     return list(zip(told_apart(whole), (unit for _, unit, _ in heads), strict=True))
 
 
@@ -170,14 +172,16 @@ def labelled(labels: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     return tuple(names)
 
 
-def _counts(full: str, fulls: Sequence[str]) -> bool:
-    """Whether the ``[1]`` of a heading counts, beside ``[2]``, or the ``(A)`` beside ``(B)``."""
-    match = _ONE_LETTER.fullmatch(full)
-    if match is None:
-        return False
-    both = [_ONE_LETTER.fullmatch(other) for other in fulls]
-    others = {one[2] for one in both if one and one[1] == match[1]} - {match[2]}
-    return any(other.isdigit() or not is_unit(other) for other in others)
+def _counting(fulls: Sequence[str]) -> set[str]:
+    """Headings whose ``[1]`` counts, beside ``[2]``, or whose ``(A)`` does, beside ``(B)``."""
+    marks: dict[str, set[str]] = {}
+    found = [match for full in fulls if (match := _ONE_LETTER.fullmatch(full))]
+    for match in found:
+        marks.setdefault(match[1], set()).add(match[2])
+    counts = {
+        mark for kind in marks.values() for mark in kind if mark.isdigit() or not is_unit(mark)
+    }
+    return {match[0] for match in found if (marks[match[1]] & counts) - {match[2]}}
 
 
 def about_of(lines: Sequence[str]) -> dict[str, str]:
