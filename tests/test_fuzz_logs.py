@@ -1,6 +1,7 @@
 """Damaged logs of every format: refused or repaired in words, never a trace, a hang or a flood.
 
-A small number of seeded mutations; ``python -m tests.benchmarks.fuzz_logs`` runs ten thousand.
+A small number of seeded mutations; ``python -m tests.attacks.logs`` runs ten thousand of each
+format.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Ten thousand damaged logs: what becomes of them, by format; run by hand.
+"""Damaged logs of every format: what becomes of them; run by hand, a small part in the tests.
 
-python -m tests.benchmarks.fuzz_logs [--count 10000] [--seed 0] [--only NAME[:SEED]]
+python -m tests.attacks.logs [COUNT of each format] [--seed 0] [--only NAME[:SEED]]
 """
 
 import argparse
@@ -14,7 +14,7 @@ from tests import fuzzing, valid_logs
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=10_000)
+    parser.add_argument("count", type=int, nargs="?", default=10_000, help="for each format")
     parser.add_argument("--seed", type=int, default=0, help="the first of the seeds")
     parser.add_argument("--children", type=int, default=2)
     parser.add_argument("--limit", type=float, default=60, help="seconds for one import")
@@ -25,12 +25,9 @@ def main():
     started = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
-        names = [
-            name for name, log in valid_logs.all_logs(place / "first").items()
-            if only in ("", name, log.format)
-        ]  # fmt: skip
-        first = options.seed
-        tasks = [(names[i % len(names)], first + i // len(names)) for i in range(options.count)]
+        logs = valid_logs.all_logs(place / "first")
+        names = [name for name, log in logs.items() if only in ("", name, log.format)]
+        tasks = tasks_of(names, options.count, options.seed)
         if seed:
             tasks = [(only, int(seed))]
         results = []
@@ -45,6 +42,18 @@ def main():
                 print(result, flush=True)
     table(results)
     print(f"{len(results)} mutations in {time.perf_counter() - started:.0f} s")
+
+
+def tasks_of(names, count, first):
+    """As many mutations of each format, shared by its logs."""
+    of_format = Counter(name.partition("/")[0] for name in names)
+    most = max(-(-count // shared) for shared in of_format.values())
+    return [
+        (name, first + i)
+        for i in range(most)
+        for name in names
+        if i < -(-count // of_format[name.partition("/")[0]])
+    ]
 
 
 def table(results):
