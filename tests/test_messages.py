@@ -77,7 +77,7 @@ def through(ended, number=0, most=2**20):
     ours, theirs = socket.socketpair()
     with ours, theirs:
         threading.Thread(target=send, args=(theirs, *sent(number, ended))).start()
-        frame = receive(ours, most)
+        frame = receive(ours, lambda: most)
         assert frame is not None
         return received(number, ended.job, *frame)
 
@@ -158,7 +158,7 @@ def refusal(data, most=2**20):
         theirs.sendall(data)
         theirs.shutdown(socket.SHUT_WR)
         with pytest.raises(BadFrame) as error:
-            receive(ours, most)
+            receive(ours, lambda: most)
     return str(error.value)
 
 
@@ -189,7 +189,7 @@ def test_every_changed_byte_of_a_frame_but_of_its_numbers_is_seen():
             theirs.sendall(data)
             theirs.shutdown(socket.SHUT_WR)
             try:
-                seen[i] = receive(ours, 24)
+                seen[i] = receive(ours, lambda: 24)
             except BadFrame:
                 seen[i] = BadFrame
     taken = [i for i, found in seen.items() if found not in (None, BadFrame)]
@@ -214,7 +214,7 @@ def test_half_a_frame_is_the_end():
     with ours, theirs:
         theirs.sendall(frame()[:-1])
         theirs.shutdown(socket.SHUT_WR)
-        assert receive(ours, 2**20) is None
+        assert receive(ours, lambda: 2**20) is None
 
 
 @pytest.mark.parametrize("odd", [np.array([object()]), np.array(["text"]), np.array([1j])])

@@ -179,6 +179,15 @@ def test_a_process_is_kept_for_further_jobs_and_ends_with_the_block(add_engine, 
         os.kill(numbers_of(first)[0], 0)
 
 
+def test_a_kept_process_may_wait_for_its_next_jobs(add_engine, fall):
+    add_engine("good")
+    with kept_processes():
+        for count in (1, 2):
+            found = run_jobs(jobs_for(["good"], fall, count))
+            assert [outcome.status for outcome in found] == [OK] * count
+            time.sleep(0.1)  # its listener has begun to wait
+
+
 @pytest.mark.parametrize("during", ["os.abort()", "time.sleep(600)"])
 def test_a_kept_process_that_has_ended_is_replaced(add_engine, fall, tmp_path, during):
     once = tmp_path / "once"

@@ -118,14 +118,16 @@ class EngineProcess:
 
     def _next(self) -> Message:
         """The next answer; ``None`` where the process has ended."""
-        most = most_bytes(self._owed[0][2]) if self._owed else 0
-        frame = receive(self._connection, most)
+        frame = receive(self._connection, self._most_bytes)
         if frame is None:
             return None
         if not self._owed:
             raise BadFrame("an answer that nobody asked for")
         number, index, job = self._owed.popleft()
         return index, received(number, job, *frame)
+
+    def _most_bytes(self) -> int:
+        return most_bytes(self._owed[0][2]) if self._owed else 0
 
     def _watch(self, number: int) -> None:
         """Ends the connection with the process: what it has started may hold it open."""

@@ -12,7 +12,7 @@ import os
 import socket
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,12 +59,14 @@ def send(connection: socket.socket, head: Plain, arrays: Arrays = ()) -> None:
     connection.sendall(end)
 
 
-def receive(connection: socket.socket, most_bytes: int) -> tuple[Plain, Arrays] | None:
+def receive(
+    connection: socket.socket, most_bytes: Callable[[], int]
+) -> tuple[Plain, Arrays] | None:
     """Receives one frame; ``None`` where the other process is gone, also within a frame.
 
     Args:
         connection: to the other process.
-        most_bytes: of all its arrays.
+        most_bytes: of all its arrays, as it is when a frame has begun.
 
     Raises:
         BadFrame: what came is no frame, or is too large.
@@ -75,8 +77,9 @@ def receive(connection: socket.socket, most_bytes: int) -> tuple[Plain, Arrays] 
     mark, end, text_bytes, body_bytes, checksum = _START.unpack(start)
     if mark != _MARK:
         raise BadFrame("bytes that are no frame")
-    if text_bytes > MOST_HEAD_BYTES or body_bytes > most_bytes:
-        raise BadFrame(f"{text_bytes + body_bytes} bytes; expected at most {most_bytes}")
+    most = most_bytes()
+    if text_bytes > MOST_HEAD_BYTES or body_bytes > most:
+        raise BadFrame(f"{text_bytes + body_bytes} bytes; expected at most {most}")
     text, tail = bytearray(text_bytes), bytearray(_END_BYTES)
     # not filled with zeros first
     body = np.empty(body_bytes, np.uint8).data

@@ -81,6 +81,6 @@ def packed(work: Work) -> tuple[dict[str, Any], Arrays]:
 def _listen(connection: socket.socket, works: queue.SimpleQueue[Work]) -> None:
     """Takes jobs in; ends this process when the runner is gone."""
     with contextlib.suppress(OSError, ValueError):
-        while (frame := receive(connection, _ANY_BYTES)) is not None:
+        while (frame := receive(connection, lambda: _ANY_BYTES)) is not None:
             works.put(pickle.loads(frame[1][0].data))
     os._exit(1)
