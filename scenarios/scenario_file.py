@@ -129,11 +129,7 @@ class ScenarioFile:
             InputError: unknown parameters, values out of bounds, or faults of the file.
         """
         parameters = {name: parameter.value for name, parameter in self.parameters.items()}
-        if preset is not None:
-            if preset not in self.presets:
-                raise UnknownName(f"preset of {self.name}", preset, self.presets)
-            parameters.update(self.presets[preset].set)
-        parameters.update(values or {})
+        parameters |= {**self.of_preset(preset), **(values or {})}
         faults = list(out_of_bounds(parameters, self.parameters).values())
         faults += self._no_rotation(parameters)
         if faults:
@@ -143,6 +139,12 @@ class ScenarioFile:
             if name not in scenario.inputs:
                 raise UnknownName(f"input of {self.name}", name, scenario.inputs)
         return scenario.model_copy(update={"inputs": {**scenario.inputs, **(inputs or {})}})
+
+    def of_preset(self, preset: str | None) -> Mapping[str, float]:
+        """Parameters that a preset sets; none where ``None``."""
+        if preset is not None and preset not in self.presets:
+            raise UnknownName(f"preset of {self.name}", preset, self.presets)
+        return {} if preset is None else self.presets[preset].set
 
     def _no_rotation(self, values: Mapping[str, float]) -> list[str]:
         """That the parameters of an orientation are no rotation, which no scene would show."""

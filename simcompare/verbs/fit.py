@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from simcompare.arguments import checked
 from simcompare.engine import engines
-from simcompare.engine.assist import ALL
 from simcompare.errors import InputError
 from simcompare.model import plain
 from simcompare.model.fittable import TOSSES, WAVEFORM
@@ -102,38 +101,23 @@ def fit(
     if out is not None:
         store.check_writable(Path(out))
     with kept_processes():
-        # of the three kinds of fits, only what the one needs is imported
-        of_kind = {WAVEFORM: _waveform, TOSSES: _tosses}.get(file.fit.by, _bounces)
-        done = of_kind(file, options, time_limit_s, progress)
+        done = _of_kind(file.fit.by)(file, options, time_limit_s, progress)
     return _saved(done, out)
 
 
-def _bounces(
-    file: ScenarioFile, asked: FitRequest, limit_s: float, progress: Progress | None
-) -> Result:
+def _of_kind(kind: str) -> Callable[[ScenarioFile, FitRequest, float, Progress | None], Result]:
+    """Of the three kinds of fits only what the one needs is imported."""
+    if kind == WAVEFORM:
+        from simcompare.verbs.fit_waveforms import fit_waveform
+
+        return fit_waveform
+    if kind == TOSSES:
+        from simcompare.verbs.fit_tosses import fit_tosses
+
+        return fit_tosses
     from simcompare.verbs.fit_bounces import fit_bounces
 
-    return fit_bounces(file, asked, time_limit_s=limit_s, progress=progress)
-
-
-def _tosses(
-    file: ScenarioFile, asked: FitRequest, limit_s: float, progress: Progress | None
-) -> Result:
-    from simcompare.verbs.fit_tosses import fit_tosses
-
-    return fit_tosses(file, asked, time_limit_s=limit_s, progress=progress)
-
-
-def _waveform(
-    file: ScenarioFile, asked: FitRequest, limit_s: float, progress: Progress | None
-) -> Result:
-    from simcompare.verbs.fit_waveforms import fit_waveform, given_of
-
-    only = {"--prior": asked.priors, "--model": asked.model != "auto",
-            "--u-time": asked.u_time_s is not None,
-            "--assist": asked.assist not in (None, ALL)}  # fmt: skip
-    set_by_user = given_of(file, asked.preset, asked.fixed or {}, asked.set or {}, only)
-    return fit_waveform(file, asked, set_by_user, time_limit_s=limit_s, progress=progress)
+    return fit_bounces
 
 
 def _listed(recordings: str | Path | Sequence[str | Path]) -> Sequence[str | Path]:

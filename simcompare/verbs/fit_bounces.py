@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from simcompare.comparison.comparison import INFO, Score
 from simcompare.comparison.repeats import sample_step_s
 from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
@@ -49,31 +48,25 @@ from simcompare.reports.fit import answer
 from simcompare.reports.render.decimation import decimated
 from simcompare.results import run_record
 from simcompare.results.fit_file import FITTED
-from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
-from simcompare.results.records.fit_engines import BouncesEngine, EffectiveValue, Number
+from simcompare.results.records.fit_engines import BouncesEngine
 from simcompare.results.records.fit_forms import Prior
 from simcompare.results.records.fit_holdout import Holdout
-from simcompare.results.records.fit_parts import EngineParameter, finite
+from simcompare.results.records.fit_parts import finite
 from simcompare.results.run import Stored
-from simcompare.running.runner import TIME_LIMIT_S, Progress
+from simcompare.running.runner import Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
+from simcompare.verbs.fitted import MEASURED, Found, record_of, score
 from simcompare.verbs.request import FitRequest
 from simcompare.verbs.result import Result
 
 #: the unknown that a scene has as its drop
 DROP_HEIGHT = "drop_height_m"
-#: what measured signals are stored under
-MEASURED = "measured"
 
 
 def fit_bounces(
-    file: ScenarioFile,
-    request: FitRequest,
-    *,
-    time_limit_s: float = TIME_LIMIT_S,
-    progress: Progress | None = None,
+    file: ScenarioFile, request: FitRequest, time_limit_s: float, progress: Progress | None
 ) -> Result:
     """Fits a scenario to impacts and heights: a closed form first, then every engine.
 
@@ -134,12 +127,8 @@ def fit_bounces(
     if height is not None:  # the height that is told, in the head as well
         values = {**roles.values(start.problem.values(start.x, 0)), roles.height: height}
         scene = file.resolve(values, step_s=step_s)
-    about = {
-        "engines_asked": request.engine, "scenario_asked": request.scenario,
-        "recording_asked": tuple(map(str, request.recordings)), "command": request.command(),
-    }  # fmt: skip
     recorded = _recorded(drops, choice.best)
-    return _gather(file, answer.worded(finite(found_fit)), found, about, scene, recorded)
+    return _gather(file, request, answer.worded(finite(found_fit)), found, scene, recorded)
 
 
 @dataclass(frozen=True)
@@ -191,9 +180,9 @@ def _engines(
 
 def _gather(
     file: ScenarioFile,
+    request: FitRequest,
     fitted: BouncesFit,
     found: Sequence[EngineFit],
-    told: Mapping[str, Any],
     scene: Scenario,
     recorded: Sequence[Stored],
 ) -> Result:
@@ -202,8 +191,8 @@ def _gather(
         for one in found
         if one.outcome is not None
     ]
-    scores = [score for row in fitted.sources for score in _scores(row)]
-    record = run_record.of_run(FitRecord, file, [scene], None, sources, scores, fit=fitted, **told)
+    scores = [score(row.name, *cell) for row in fitted.sources for cell in _cells(row)]
+    record = record_of(file, scene, request, fitted, sources, scores)
     trajectories = [
         Stored(one.engine, FITTED, 0, run, FITTED, drop)
         for one in found
@@ -227,12 +216,10 @@ def _recorded(drops: Sequence[Impacts], best: Fit) -> list[Stored]:
     return stored
 
 
-def _scores(row: BouncesEngine) -> list[Score]:
-    """What was found for one engine, as scores that are shown and not judged."""
-    cells: list[tuple[str, EngineParameter | EffectiveValue | Number]] = [
+def _cells(row: BouncesEngine) -> list[tuple[str, Found]]:
+    """What was found for one engine, by name."""
+    return [
         *row.parameters.items(),
         *((f"effective_{name}", one) for name, one in row.effective.items()),
         *((one.name, one) for one in row.numbers),
     ]
-    return [Score(row.name, FITTED, name, "", None, one.value, None, one.u, one.unit, 1, None, None,
-                  INFO) for name, one in cells]  # fmt: skip

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from simcompare import units
-from simcompare.comparison.comparison import INFO, Score
 from simcompare.comparison.repeats import one_step_s
 from simcompare.engine import engines
-from simcompare.errors import InputError, UnknownName
+from simcompare.engine.assist import ALL
+from simcompare.errors import InputError
 from simcompare.fitting.waveforms import holdout, records
 from simcompare.fitting.waveforms.engines import EngineWaves, fit_engines
 from simcompare.fitting.waveforms.reference import Fitted, fit_reference
@@ -20,26 +20,23 @@ from simcompare.model.trajectory import TRUTH
 from simcompare.reports.fit import wave_words
 from simcompare.results import run_record
 from simcompare.results.fit_file import FITTED
-from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_parts import finite
 from simcompare.results.records.fit_waveforms import WaveHoldout
 from simcompare.results.run import Stored
-from simcompare.running.runner import TIME_LIMIT_S, Progress
+from simcompare.running.runner import Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.verbs.fitted import MEASURED, check_options, known, of_bounces, record_of, score
 from simcompare.verbs.request import FitRequest
 from simcompare.verbs.result import Result
 
-#: mode under which fitted engines are recorded, and what measured signals are stored under
-MEASURED = "measured"
+_CURE = ", or say its uncertainty under validate: of the mapping file"
 
 
 def fit_waveform(
     file: ScenarioFile,
     request: FitRequest,
-    given: Mapping[str, float],
-    *,
-    time_limit_s: float = TIME_LIMIT_S,
-    progress: Progress | None = None,
+    time_limit_s: float,
+    progress: Progress | None,
 ) -> Result:
     """Fits a scenario to recorded signals: reference first, then every engine's own parameters.
 
@@ -47,7 +44,6 @@ def fit_waveform(
         file: a scenario that can be fitted by waveform.
         request: what the user asked for; without unknowns that are named, those that the
             recording's plan calibrates, or all that the scenario names.
-        given: parameters that the user sets; they are not fitted.
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.
 
@@ -57,6 +53,9 @@ def fit_waveform(
     Raises:
         InputError: every fault of the request or of a recording.
     """
+    only = {**of_bounces(request), "--assist": request.assist not in (None, ALL)}
+    check_options(file, only, "waveform", _CURE)
+    given = known(file, request)
     chosen = engines.select(request.engine)
     model = model_of(file)
     if model.reference is None:
@@ -75,32 +74,6 @@ def fit_waveform(
     return _gather(model, setup, fitted, found, predicted, given, step_s, request)
 
 
-def given_of(
-    file: ScenarioFile,
-    preset: str | None,
-    fixed: Mapping[str, str | float],
-    settings: Mapping[str, str | float],
-    only_bounces: Mapping[str, object],
-) -> dict[str, float]:
-    """Parameters that the user sets, which are not fitted.
-
-    Raises:
-        InputError: an option that belongs to bounces.
-        UnknownName: a preset or parameter that does not exist.
-    """
-    wrong = [option for option, value in only_bounces.items() if value]
-    if wrong:
-        raise InputError(
-            ", ".join(wrong),
-            [f"{file.name} is fitted by waveform, which this is not for; use --set for what is"
-             " known, or say its uncertainty under validate: of the mapping file"],
-        )  # fmt: skip
-    if preset is not None and preset not in file.presets:
-        raise UnknownName(f"preset of {file.name}", preset, file.presets)
-    chosen = {} if preset is None else dict(file.presets[preset].set)
-    return {**chosen, **file.read_settings(fixed, "--fix"), **file.read_settings(settings)}
-
-
 def _gather(
     model: Model,
     setup: Setup,
@@ -117,16 +90,8 @@ def _gather(
     fit = records.of_fit(model, setup, fitted, found, predicted, given, scene.world.step_s)
     unit = units.symbol(scene.probes[setup.probes[0]].unit)
     fit = wave_words.worded(finite(fit), unit)
-    scores = [
-        Score(row.name, FITTED, name, "", None, one.value, None, one.u, one.unit, 1, None, None,
-              INFO)
-        for row in fit.sources for name, one in row.parameters.items()
-    ]  # fmt: skip
-    record = run_record.of_run(
-        FitRecord, model.file, [scene], TRUTH, sources, scores, fit=fit,
-        engines_asked=request.engine, scenario_asked=request.scenario,
-        recording_asked=tuple(map(str, request.recordings)), command=request.command(),
-    )  # fmt: skip
+    scores = [score(one.name, *row) for one in fit.sources for row in one.parameters.items()]
+    record = record_of(model.file, scene, request, fit, sources, scores, TRUTH)
     return Result(record, tuple(_stored(model, setup, fitted, found, step_s)))
 
 

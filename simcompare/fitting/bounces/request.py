@@ -68,11 +68,7 @@ def given_of(
 ) -> dict[str, float]:
     """Every parameter of the scenario: its own value, a preset's, or the user's."""
     values = {name: parameter.value for name, parameter in file.parameters.items()}
-    if preset is not None:
-        if preset not in file.presets:
-            raise UnknownName(f"preset of {file.name}", preset, file.presets)
-        values.update(file.presets[preset].set)
-    return {**values, **file.read_settings(set or {})}
+    return {**values, **file.of_preset(preset), **file.read_settings(set or {})}
 
 
 def numbers_of(fixed: Mapping[str, str | float]) -> dict[str, float]:
