@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare import units
-from simcompare.errors import InputError
+from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import sniff
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text import table as _table
 from simcompare.hardware.logs.text.sniff import Layout
+from simcompare.hardware.mapping import NOTHING
+from simcompare.hardware.mapping import Mapping as ColumnMap
 from simcompare.model.trajectory import Array
 
 #: a table has no more rows than somebody measured by hand
@@ -26,6 +28,7 @@ MAX_ROWS = 500
 #: bytes of the largest file that is read as one
 _MAX_BYTES = 1 << 20
 #: l/cm may be centimetres and not litres over centimetres
+_TOLD_APART = re.compile(r" #\d+$")
 _OVER = re.compile(r"(.*\S)\s*/\s*\(?([^/()]+(?:/[^/()]+)?)\)?")
 
 
@@ -38,17 +41,24 @@ class Heading:
         unit: as it is written, empty where nothing is said.
         number: of the column, first is 1.
         holds_numbers: whether numbers stand below it.
+        scale: what its numbers are multiplied by to be in the unit, where a mapping file says so.
     """
 
     name: str
     unit: str
     number: int
     holds_numbers: bool = True
+    scale: float = 1.0
+
+    @property
+    def plain(self) -> str:
+        """The name as it is written, also where another column is called alike."""
+        return _TOLD_APART.sub("", self.name)
 
     @property
     def text(self) -> str:
-        """Name and unit."""
-        return f"{self.name} ({self.unit})" if self.unit else self.name
+        """Name and unit as they are written."""
+        return f"{self.plain} ({self.unit})" if self.unit else self.plain
 
 
 @dataclass(frozen=True)
@@ -98,11 +108,15 @@ class Opened:
         return _cell.about_of(self.layout.preamble)
 
 
-def opened(path: Path) -> Opened:
+def opened(path: Path, mapping: ColumnMap = NOTHING) -> Opened:
     """The headings of a table.
 
+    Args:
+        path: the file.
+        mapping: says of columns what they hold, by the names of the scenario.
+
     Raises:
-        InputError: it is no table of text.
+        InputError: it is no table of text, or lacks a column that the mapping names.
     """
     source = _source.source_of(path)
     layout = sniff.sniff(source)
@@ -113,7 +127,26 @@ def opened(path: Path) -> Opened:
     )
     rows = len([line for line in source.head[layout.first_line - 1 :] if line.strip()])
     raw = path.read_bytes() if source.complete else b""
+    headings = _mapped(headings, mapping, source.label)
     return Opened(_ended(source, raw), layout, headings, rows, hashlib.sha256(raw).hexdigest())
+
+
+def _mapped(headings: tuple[Heading, ...], mapping: ColumnMap, label: str) -> tuple[Heading, ...]:
+    """Headings as a mapping says them; several columns of one channel are repeats."""
+    made = {heading.name: heading for heading in headings}
+    faults = []
+    for name, channel in mapping.channels.items():
+        for number, column in enumerate(channel.columns, start=1):
+            if column not in made:
+                faults.append(str(UnknownName("column", column, [one.name for one in headings])))
+                continue
+            plain = name.removesuffix(units.suffix_of(name))
+            called = f"{plain} {number}" if len(channel.columns) > 1 else plain
+            made[column] = replace(made[column], name=called, unit=channel.unit,
+                                   scale=channel.sign * channel.scale)  # fmt: skip
+    if faults:
+        raise InputError(label, faults)
+    return tuple(made[heading.name] for heading in headings)
 
 
 def read(table: Opened, wanted: Collection[int]) -> ResultsTable:

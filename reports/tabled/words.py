@@ -78,7 +78,8 @@ def capital(text: str) -> str:
 def amount(value: float, u: float | None, unit: str) -> str:
     """A value with its uncertainty, angles in degrees."""
     if unit == "rad":
-        return numbers.with_u(math.degrees(value), u and math.degrees(u), digits=3) + "°"
+        text = numbers.with_u(math.degrees(value), u and math.degrees(u), digits=3)
+        return text.replace(" ±", "° ±") + "°"
     return numbers.with_u(value, u, units.symbol(unit), digits=3)
 
 
@@ -169,8 +170,8 @@ def _offset(one: Told) -> str:
 
 
 def _given(one: Given) -> str:
-    u = "" if one.u is None else f", u = {amount(one.u, None, one.unit)}"
-    return f"{spoken(one.name)} = {amount(one.value, None, one.unit)}{u}"
+    u = "" if one.u is None else " (u)"
+    return f"{spoken(one.name)} = {amount(one.value, one.u, one.unit)}{u}"
 
 
 def _basis(result: TabledResult) -> str:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.arguments import checked
+from simcompare.errors import InputError
 from simcompare.hardware import mapping as mappings
 from simcompare.hardware import reading_process
 from simcompare.model import recording_store
 from simcompare.model.recording import Clock, Event, Provenance, Recording
+from simcompare.validation.tabled import tables
 
 
 @checked
@@ -48,12 +51,25 @@ def import_log(
         OutputError: the recording cannot be stored.
     """
     columns = mappings.NOTHING if mapping is None else mappings.read(Path(mapping))
-    recording = reading_process.read(
-        Path(log), columns, kind=kind, strict=strict, assume_units=assume_units
-    )
+    try:
+        recording = reading_process.read(
+            Path(log), columns, kind=kind, strict=strict, assume_units=assume_units
+        )
+    except InputError as error:
+        raise _told_as_table(error, Path(log)) from None
     if out is not None:
         recording_store.save(recording, Path(out))
     return recording
+
+
+def _told_as_table(error: InputError, log: Path) -> InputError:
+    """The same error, which says for which scenario a log is a table of results, where it is."""
+    names = tables.fitting(log)
+    if not names:
+        return error
+    command = f"simcompare validate {names[0]} --recording {shlex.quote(str(log))}"
+    *others, last = error.faults
+    return InputError(error.where, [*others, f"{last}. As a table of results: {command}"])
 
 
 @dataclass(frozen=True)

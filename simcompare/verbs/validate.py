@@ -101,8 +101,8 @@ def validate(
         scenario=scenario, engine=engine, set=set, step=step, recording=recording, contact=contact,
         mapping=mapping, streams=tuple(streams), strict=strict,
     )  # fmt: skip
-    table = tables.opened(Path(recording)) if mapping is None else None
-    if table is not None and tables.is_one(table, file):
+    table = tables.of(Path(recording), file, None if mapping is None else Path(mapping))
+    if table is not None:
         return validate_table(
             table, file, request, chosen, out=None if out is None else Path(out),
             time_limit_s=time_limit_s, progress=progress,

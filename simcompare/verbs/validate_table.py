@@ -11,12 +11,10 @@ from simcompare.comparison.repeats import sample_step_s
 from simcompare.errors import InputError
 from simcompare.hardware.recordings.results_table import Opened
 from simcompare.results import result_file
-from simcompare.results.records.tabled import Given, TabledColumn
+from simcompare.results.records.tabled import Given, TabledColumn, TabledResult
 from simcompare.results.run_record import now, software
 from simcompare.running.runner import Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
-from simcompare.statistics.budget import u_of
-from simcompare.statistics.stated import is_nothing, stated
 from simcompare.validation.tabled import tables
 from simcompare.validation.tabled.headings import LEFT_OUT, Meaning
 from simcompare.validation.tabled.judged import judged
@@ -73,7 +71,7 @@ def validate_table(
     made = Tabled(
         created=now(), scenario=file.name, title=f"{file.tree['title']}: a table of results",
         question=_question(read), recording=str(request.recording), sha256=read.table.sha256,
-        columns=tuple(map(_column, read.columns)), given=tuple(_given(setting, read)),
+        columns=tuple(map(_column, read.columns)), given=tuple(_given(setting, read, results)),
         results=results, remarks=read.table.remarks, beyond=form.beyond(read.found),
         contact=request.contact, engines_asked=request.engine,
         command=shlex.join(request.command()), software=software(),
@@ -116,21 +114,18 @@ def _column(one: Meaning) -> TabledColumn:
     return TabledColumn(one.heading.text, one.role, name, note)
 
 
-def _given(setting: Setting, read: Read) -> list[Given]:
-    """What no column says: assumptions with a reason, and what lines above the table say."""
+def _given(setting: Setting, read: Read, results: Sequence[TabledResult]) -> list[Given]:
+    """What no column says: what is assumed, what is said above the table, and what matters."""
     row = read.found[0].set
-    values = setting.values(row)
-    found = [
-        Given(name, values[name], units.unit_of(name), None, "as the head of the table says")
-        for name in read.above
+    values, u = setting.values(row), setting.u_of_inputs(read.found[0])
+    said = {} if setting.file.uncertainty is None else setting.file.uncertainty.inputs
+    reasons = {name: one.reason for name, one in said.items()
+               if any(name in result.inputs for result in results)}  # fmt: skip
+    reasons |= {name: one.reason for name, one in setting.assume.items()
+                if one.reason and name not in setting.said}  # fmt: skip
+    reasons |= dict.fromkeys(read.above, "as stands above the table")
+    return [
+        Given(name, values[name], units.unit_of(name), u.get(name), reasons[name])
+        for name in reasons
         if name not in row
     ]
-    for name, one in setting.assume.items():
-        if name in row or name in setting.said or not one.reason:
-            continue
-        u = None
-        if one.u is not None and not is_nothing(one.u, values[name]):
-            known = stated(one.u, values[name], units.unit_of(name), name)
-            u = u_of(known.distribution)
-        found.append(Given(name, values[name], units.unit_of(name), u, one.reason))
-    return found

@@ -155,6 +155,7 @@ class TabledResult:
         verdicts: the closed form first.
         told: what the table says of a parameter; without and with an offset.
         timed: how many times as long as simulated it seems to be, where one time may be of many.
+        inputs: parameter -> by what part of the result its u changes the simulated value.
     """
 
     name: str
@@ -166,6 +167,7 @@ class TabledResult:
     verdicts: tuple[Verdict, ...]
     told: tuple[Told, ...] = ()
     timed: int | None = None
+    inputs: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,7 +183,7 @@ class TableValidation:
         recording: the file, as the user called it.
         sha256: of the file.
         columns: what each of its columns was taken for.
-        given: parameters that no column says, as far as they matter.
+        given: parameters that no column says, as far as they matter or are assumed.
         results: what was measured, against all sources.
         remarks: what was noticed while the table was read.
         beyond: why the closed form does not hold.
@@ -207,7 +209,7 @@ class TableValidation:
     contact: str
     engines_asked: str
     command: str
-    software: Software = field()
+    software: Software
     folder: Path | None = None
 
     @property

@@ -113,7 +113,8 @@ def experiments(
         if not all(math.isnan(cell) for _, cell in cells):
             rows.append(_row(line, cells, faults))
     for row in rows:
-        wrong = out_of_bounds(row.set, file.parameters)
+        known = {name: value for name, value in row.set.items() if math.isfinite(value)}
+        wrong = out_of_bounds(known, file.parameters)
         faults += [f"line {row.line}: {text}" for text in wrong.values()]
     return [_experiment(group, digits) for group in _groups(rows)]
 
@@ -154,6 +155,7 @@ def _add_u(row: _Row, one: Meaning, cell: float, faults: list[str]) -> None:
     assert one.entry is not None
     name = one.entry.name
     if math.isnan(cell):
+        faults.append(f"line {row.line}: {one.heading.text} holds no number; fill it in")
         return
     if not 0 < cell < math.inf:
         faults.append(
@@ -222,11 +224,11 @@ def basis_of(found: Sequence[Experiment], result: str) -> Basis:
     return Basis(REPEATS, max(math.sqrt(squares / degrees), least), degrees, least)
 
 
-def u_of(reading: Reading, basis: Basis) -> float | None:
-    """Standard uncertainty of what was measured; ``None`` where only all rows together tell it."""
-    if basis.kind == REPEATS and basis.u is not None:
+def u_of(reading: Reading, basis: Basis) -> float:
+    """Standard uncertainty of a mean, where single rows tell it."""
+    if basis.u is not None:
         return basis.u / math.sqrt(len(reading.values))
-    return reading.u
+    return reading.u or basis.least
 
 
 def above(

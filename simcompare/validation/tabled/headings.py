@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware.mapping_lines import channels_line, quoted
 from simcompare.hardware.recordings.results_table import Heading
 from simcompare.validation.tabled.vocabulary import Entry, Vocabulary, spoken, told, words
 
@@ -16,55 +17,20 @@ PARAMETER, MEASURED, UNCERTAINTY, COUNT, LEFT_OUT = (
 )  # fmt: skip
 #: an uncertainty as a range in which the value certainly lies
 _LIMITS = ("±", "+")
-_U = frozenset(
-    [
-        "±",
-        "+",
-        "−",
-        "Δ",
-        "δ",
-        "σ",
-        "u",
-        "uncertainty",
-        "uncertainties",
-        "unc",
-        "error",
-        "err",
-        "sigma",
-        "std",
-        "stdev",
-        "sd",
-        "stderr",
-        "sem",
-        "delta",
-        "unsicherheit",
-        "fehler",
-        "standard",
-        "deviation",
-    ]
-)
+_U = frozenset((
+    "±", "+", "−", "Δ", "δ", "σ", "u", "uncertainty", "uncertainties", "unc", "error", "err",
+    "sigma", "std", "stdev", "sd", "stderr", "sem", "delta", "unsicherheit", "fehler",
+    "standard", "deviation"
+))  # fmt: skip
 #: words before the number of a repeat
-_TRIALS = frozenset(
-    [
-        "trial",
-        "run",
-        "attempt",
-        "try",
-        "measurement",
-        "meas",
-        "reading",
-        "repeat",
-        "rep",
-        "test",
-        "versuch",
-        "messung",
-    ]
-)
+_TRIALS = frozenset((
+    "trial", "run", "attempt", "try", "measurement", "meas", "reading", "repeat", "rep", "test",
+    "versuch", "messung"
+))  # fmt: skip
 _TOTAL = frozenset(["time", "total", "t", "zeit", "gesamtzeit", "elapsed"])
 _NUMBER_OF = frozenset(["number", "count", "anzahl", "num", "n", "N"])
 #: what is calculated from another column
 _DERIVED = re.compile(r"[\^²³√*/=]|sqrt|squared?\b|\blog\b|\bln\b", re.IGNORECASE)
-_TOLD_APART = re.compile(r" #\d+$")
 
 
 @dataclass(frozen=True)
@@ -124,6 +90,7 @@ def meanings(
     found = _with_totals(found, vocabulary)
     found = _without_means(found)
     faults += _twice(found)
+    faults += _without_unit(found)
     return [_with_factor(one, faults) for one in found]
 
 
@@ -133,7 +100,7 @@ def meanings(
 def _guess(heading: Heading, known: Vocabulary, before: Meaning | None) -> _Guess:
     if not heading.holds_numbers:
         return _left(heading, "holds no numbers")
-    name = _TOLD_APART.sub("", heading.name)
+    name = heading.plain
     if _DERIVED.search(name):
         return _left(heading, "is calculated from another column")
     every = words(name)
@@ -289,7 +256,7 @@ def _twice(found: Sequence[Meaning]) -> Iterator[str]:
         places = " and ".join(f"{one.heading.number} ({one.heading.text!r})" for one in same[:4])
         cure = "take one away"
         if key[0] == MEASURED:
-            letter = _TOLD_APART.sub("", same[0].heading.name)
+            letter = same[0].heading.plain
             cure = f"if they are repeats, number them: {letter} 1, {letter} 2; else {cure}"
         of = " the uncertainty of" if key[0] == UNCERTAINTY else ""
         yield f"columns {places} both hold{of} the {spoken(entry)}; {cure}"
@@ -302,15 +269,41 @@ def _with_factor(one: Meaning, faults: list[str]) -> Meaning:
     if one.role == UNCERTAINTY and unit in ("%", "percent"):
         return replace(one, factor=0.01, relative=True)
     if not unit and wanted != "1":
-        such = {"m": "m", "s": "s", "rad": "deg"}.get(wanted, units.symbol(wanted))
-        faults.append(
-            f"column {one.heading.number} ({one.heading.name!r}) says no unit; write it into the"
-            f" heading, such as {one.heading.name} ({such})"
-        )
-        return one
+        return one  # all that say none are told together
     try:
         factor = units.conversion_factor(unit, wanted, "") if unit else 1.0
     except InputError as error:
         faults.append(f"column {one.heading.number} ({one.heading.text!r}): {error.faults[0]}")
         return one
-    return replace(one, factor=factor / one.count)
+    return replace(one, factor=factor * one.heading.scale / one.count)
+
+
+def _without_unit(found: Sequence[Meaning]) -> Iterator[str]:
+    """That columns say no unit, with the line of a mapping file that says all of them."""
+    bare = {
+        one.heading: one.entry
+        for one in found
+        if one.entry and one.role in (PARAMETER, MEASURED, UNCERTAINTY)
+        and not one.heading.unit and one.entry.unit != "1"
+    }  # fmt: skip
+    if not bare:
+        return
+    named = " and ".join(f"{one.number} ({one.plain!r})" for one in bare)
+    lines = [_line(heading, entry) for heading, entry in bare.items()]
+    first, entry = next(iter(bare.items()))
+    several = len(bare) > 1
+    yield (
+        f"column{'s' if several else ''} {named} {'say' if several else 'says'} no unit; write it"
+        f" into the heading, such as {first.plain} ({_usual(entry)}), or into a mapping file"
+        f" (--map): {channels_line(*lines)}"
+    )
+
+
+def _line(heading: Heading, entry: Entry) -> str:
+    name = spoken(entry).replace(" ", "_")
+    return f"{name}: {{column: {quoted(heading.name)}, unit: {quoted(_usual(entry))}}}"
+
+
+def _usual(entry: Entry) -> str:
+    """The unit in which a quantity is mostly written."""
+    return "deg" if entry.unit == "rad" else units.symbol(entry.unit)

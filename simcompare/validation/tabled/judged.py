@@ -25,7 +25,6 @@ from simcompare.running.jobs import OK
 from simcompare.statistics.budget import coverage_factor
 from simcompare.validation.tabled.experiments import (
     SCATTER,
-    STATED,
     Basis,
     Experiment,
     basis_of,
@@ -56,6 +55,7 @@ class Rows:
         measured: means (n,).
         own: standard uncertainty of each alone: of the measurement and of what its row sets (n,).
         common: input that is the same in all rows -> change of the result by its u (n,).
+        of_columns: the same of inputs that stand in a column.
         u_measured: of the measurement alone (n,).
         degrees_of_freedom: behind that.
         by_scatter: whether all rows together tell it.
@@ -66,6 +66,7 @@ class Rows:
     measured: Array
     own: Array
     common: Mapping[str, Array]
+    of_columns: Mapping[str, Array]
     u_measured: Array
     degrees_of_freedom: float
     by_scatter: bool
@@ -76,10 +77,15 @@ class Rows:
         squares = self.own**2 - self.u_measured**2
         return np.sqrt(squares + sum((c**2 for c in self.common.values()), np.zeros(1)))
 
-    @property
-    def k(self) -> float:
-        """Coverage factor for 95 %."""
-        return coverage_factor(self.degrees_of_freedom)
+    def k(self, of_measurement: float, whole: float) -> float:
+        """Coverage factor for 95 %, by the formula of Welch and Satterthwaite.
+
+        Args:
+            of_measurement: part of a variance that the scatter of measurements makes.
+            whole: the variance.
+        """
+        degrees = self.degrees_of_freedom * (whole / of_measurement) ** 2
+        return coverage_factor(degrees if of_measurement > 0 else math.inf)
 
 
 def judged(
@@ -125,8 +131,17 @@ def judged(
     degrees = rows.degrees_of_freedom if math.isfinite(rows.degrees_of_freedom) else None
     return TabledResult(
         entry.name, entry.unit, varied(measured)[0], basis.kind, degrees, tuple(points),
-        tuple(verdicts), () if timed else tuple(_told(rows, form)), timed,
+        tuple(verdicts), () if timed else tuple(_told(rows, form)), timed, _shares(rows),
     )  # fmt: skip
+
+
+def _shares(rows: Rows) -> dict[str, float]:
+    """Input -> by what part of the result its u changes it, over all rows."""
+    size = float(np.linalg.norm(rows.measured)) or 1.0
+    return {
+        name: float(np.linalg.norm(change)) / size
+        for name, change in {**rows.of_columns, **rows.common}.items()
+    }
 
 
 def _with_status(made: Verdict, one: EngineValues) -> Verdict:
@@ -152,21 +167,20 @@ def _rows(
         u = _about(measured, _standard(values), basis.least) / np.sqrt(counts)
         degrees = max(len(found) - 1, 1)
     else:
-        each = [u_of(one.readings[entry.name], basis) for one in found]
-        u = np.array([basis.least if one is None else max(one, basis.least if basis.kind != STATED
-                      else one) for one in each])  # fmt: skip
-    own, common = u**2, {}
+        u = np.array([u_of(one.readings[entry.name], basis) for one in found])
+    common: dict[str, Array] = {}
+    of_columns: dict[str, Array] = {}
     effects = [
         {} if before[entry.name] is None else form.effects(one, before)
         for one, before in zip(found, closed, strict=True)
     ]
     for name in dict.fromkeys(name for row in effects for name in row):
         change = np.array([row.get(name, {}).get(entry.name, 0.0) for row in effects])
-        if name in found[0].set:
-            own = own + change**2
-        else:
-            common[name] = change
-    return Rows(entry, found, measured, np.sqrt(own), common, u, degrees, basis.kind == SCATTER)
+        (of_columns if name in found[0].set else common)[name] = change
+    own = np.sqrt(u**2 + sum((change**2 for change in of_columns.values()), np.zeros(1)))
+    return Rows(
+        entry, found, measured, own, common, of_columns, u, degrees, basis.kind == SCATTER
+    )  # fmt: skip
 
 
 def _standard(values: Mapping[str, Sequence[float | None]]) -> Array:
@@ -204,7 +218,10 @@ def _verdict(source: str, values: Sequence[float | None], rows: Rows) -> Verdict
         return Verdict(source, points=len(x), within=within)
     ratio = float(weights @ (x * y)) / size
     shared = [float(weights @ (x * c[known])) / size for c in rows.common.values()]
-    expanded = rows.k * math.sqrt(1 / size + sum(one * one for one in shared))
+    variance = 1 / size + sum(one * one for one in shared)
+    scattered = float((weights * x * rows.u_measured[known] / size) @ (weights * x / size
+                      * rows.u_measured[known]))  # fmt: skip
+    expanded = rows.k(scattered, variance) * math.sqrt(variance)
     left = (y - ratio * x) / own
     degrees = max(len(x) - 1, 1)
     scatter = math.sqrt(float(left @ left) / degrees)
@@ -273,21 +290,17 @@ def _fit(rows: Rows, form: ClosedForm, name: str, offset: str) -> Told | None:
     scatter = math.sqrt(2 * float(fit.cost) / max(len(rows.found) - count, 1))
     inverse = np.linalg.pinv(np.asarray(fit.jac))
     covariance = inverse @ inverse.T * (scatter**2 if rows.by_scatter else 1.0)
+    own = np.diag(covariance)
     for other, change in rows.common.items():
         if other != name:
             shift = inverse @ (change / rows.own)
             covariance = covariance + np.outer(shift, shift)
-    expanded = _freedom_factor(rows, count) * np.sqrt(np.diag(covariance))
+    whole = np.diag(covariance)
+    expanded = [rows.k(*pair) * math.sqrt(pair[1]) for pair in zip(own, whole, strict=True)]
     return Told(
         name, units.unit_of(name), float(fit.x[0]), float(expanded[0]), offset,
         float(fit.x[1]) if offset else None, float(expanded[1]) if offset else None, scatter,
     )  # fmt: skip
-
-
-def _freedom_factor(rows: Rows, unknowns: int) -> float:
-    """Coverage factor of what is fitted; the scatter of the rows leaves one freedom less each."""
-    degrees = rows.degrees_of_freedom
-    return coverage_factor(max(degrees + 1 - unknowns, 1) if rows.by_scatter else degrees)
 
 
 def _model(rows: Rows, form: ClosedForm, name: str, offset: str, x: Array) -> Array:

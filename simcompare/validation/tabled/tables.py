@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from simcompare import units
 from simcompare.errors import InputError
+from simcompare.hardware import mapping as mappings
 from simcompare.hardware.logs.text import clocks
 from simcompare.hardware.proposed_time import FEW_ROWS
 from simcompare.hardware.recordings import results_table
 from simcompare.hardware.recordings.results_table import Opened, ResultsTable
 from simcompare.model.scenario import Scenario
+from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.validation.tabled.experiments import (
     SCATTER,
@@ -49,8 +53,43 @@ class Read:
     above: dict[str, float]
 
 
-def opened(path: Path) -> Opened | None:
-    """A file as a table, ``None`` where it is none of text."""
+def of(path: Path, file: ScenarioFile, mapping: Path | None = None) -> Opened | None:
+    """A file as a table of results for a scenario; ``None`` where it is none.
+
+    With a mapping it is one where each channel is a parameter or a result of the scenario, and no
+    time and no plan are given.
+
+    Raises:
+        InputError: faults of the mapping file.
+    """
+    if mapping is None:
+        table = _opened(path)
+        return table if table is not None and is_one(table, file) else None
+    reading = mappings.read(mapping)
+    known = {one.name for one in of_scenario(file, file.resolve()).entries}
+    names = [units.find_name(name, known) for name in reading.channels]
+    if reading.time is not None or reading.validate_ is not None or None in names or not names:
+        return None
+    return results_table.opened(path, reading) if path.is_file() else None
+
+
+def fitting(path: Path) -> list[str]:
+    """Scenarios for which a file is a table of results, of those that say how one is read."""
+    table = _opened(path)
+    if table is None:
+        return []
+    names = []
+    for name, place in catalogue.files().items():
+        if "\ntable:" in place.read_text(encoding="utf-8", errors="replace"):
+            file = catalogue.load(str(place))
+            faults: list[str] = []
+            columns = meanings(table.headings, of_scenario(file, file.resolve()), faults)
+            if {PARAMETER, MEASURED} <= {one.role for one in columns} and not faults:
+                names.append(name)
+    return names
+
+
+def _opened(path: Path) -> Opened | None:
     try:
         return results_table.opened(path) if path.is_file() else None
     except (InputError, OSError):
@@ -100,9 +139,15 @@ def read(table: Opened, file: ScenarioFile, scenario: Scenario) -> Read:
     if not faults:
         faults += _too_few(found, columns)
     if faults:
-        raise InputError(label, faults)
+        raise InputError(label, sorted(faults, key=_line_of))
     entries = {one.entry.name: one.entry for one in columns if one.role == MEASURED and one.entry}
     return Read(numbers, (*columns,), (*found,), (*entries.values(),), said)
+
+
+def _line_of(fault: str) -> int:
+    """The line that a fault names, so that they stand as in the file."""
+    match = re.match(r"line (\d+)", fault)
+    return int(match[1]) if match else 0
 
 
 def _missing(columns: Sequence[Meaning], known: Vocabulary) -> list[str]:

@@ -12,35 +12,11 @@ from simcompare.model.tabled import TabledColumn
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: words that say nothing of what a column holds
-_FILLERS = frozenset(
-    [
-        "of",
-        "the",
-        "a",
-        "an",
-        "in",
-        "for",
-        "to",
-        "at",
-        "de",
-        "der",
-        "des",
-        "die",
-        "das",
-        "mean",
-        "average",
-        "avg",
-        "mittel",
-        "mittelwert",
-        "measured",
-        "exp",
-        "experimental",
-        "value",
-        "wert",
-        "#",
-        "no",
-    ]
-)
+_FILLERS = frozenset((
+    "of", "the", "a", "an", "in", "for", "to", "at", "de", "der", "für", "fur", "von", "des",
+    "die", "das", "mean", "average", "avg", "mittel", "mittelwert", "measured", "exp",
+    "experimental", "value", "wert", "#", "no"
+))  # fmt: skip
 _WORDS = re.compile(r"[±+−ΔδσΣ]|[^\W\d_]+|\d+")
 _ORDINALS = ("st", "nd", "rd", "th")
 
@@ -81,13 +57,19 @@ class Vocabulary:
     leading: tuple[str, ...]
 
 
+#: numbers in words
+_NUMBERS = {"five": "5", "ten": "10", "twenty": "20", "fifty": "50", "fünf": "5", "zehn": "10",
+            "zwanzig": "20"}  # fmt: skip
+
+
 def words(text: str) -> tuple[str, ...]:
     """Words and numbers of a heading; single letters as they are written, all else small."""
     found = _WORDS.findall(text)
     ordinal = {i for i, one in enumerate(found) if i and one.lower() in _ORDINALS
                and found[i - 1].isdigit()}  # fmt: skip
     kept = [one for i, one in enumerate(found) if i not in ordinal]
-    return tuple(one if len(one) == 1 else one.lower() for one in kept)
+    small = (one if len(one) == 1 else one.lower() for one in kept)
+    return tuple(_NUMBERS.get(one, one) for one in small)
 
 
 def of_scenario(file: ScenarioFile, scenario: Scenario) -> Vocabulary:
