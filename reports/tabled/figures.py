@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -38,7 +39,7 @@ def _values(result: TabledResult) -> Panel:
     for one in result.verdicts:
         y = np.array([_number(point.values.get(one.source)) for point in points])
         if np.isfinite(y).any():
-            series.append(_series(one.source, x, y))
+            series.append(_series(result, one.source, x, y))
     measured = np.array([point.measured for point in points])
     bars = np.array([2 * point.u for point in points])
     series.append(Series("measured ± 2 u", x, measured, MEASURED_STYLE, bars, True, False))
@@ -47,9 +48,12 @@ def _values(result: TabledResult) -> Panel:
                  _label(result.name, result.unit), tuple(series))  # fmt: skip
 
 
-def _series(source: str, x: Array, y: Array) -> Series:
+def _series(result: TabledResult, source: str, x: Array, y: Array) -> Series:
+    if source == CLOSED_FORM and result.curve:
+        drawn = np.array(result.curve)
+        return Series(source, _scale(result) * drawn[:, 0], drawn[:, 1], TRUTH_STYLE)
     if source == CLOSED_FORM:
-        return Series(source, x, y, TRUTH_STYLE)
+        return Series(source, x, y, replace(TRUTH_STYLE, hollow=True), points=True, line=False)
     return Series(source, x, y, style_of(source), points=True, line=False)
 
 
@@ -63,7 +67,7 @@ def _residuals(result: TabledResult) -> Panel:
         y = np.array([_number(point.residual(source)) for point in points])
         if np.isfinite(y).any():
             # side by side, for most engines say the same
-            beside = (number - (len(engines) - 1) / 2) * 0.006 * width
+            beside = (number - (len(engines) - 1) / 2) * 0.012 * width
             series.append(Series(source, x + beside, y, style_of(source) if engines
                                  else TRUTH_STYLE, points=True, line=False))  # fmt: skip
     return Panel(
@@ -74,10 +78,14 @@ def _residuals(result: TabledResult) -> Panel:
 
 def _places(result: TabledResult) -> tuple[Array, list[int]]:
     """What was set, growing, and the order of the points in which it grows."""
-    scale = 180 / math.pi if units.unit_of(result.over) == "rad" else 1.0
-    x = np.array([scale * one.set.get(result.over, math.nan) for one in result.points])
+    x = np.array([_scale(result) * one.set.get(result.over, math.nan) for one in result.points])
     order = np.argsort(x, kind="stable")
     return x[order], order.tolist()
+
+
+def _scale(result: TabledResult) -> float:
+    """Angles are drawn in degrees."""
+    return 180 / math.pi if units.unit_of(result.over) == "rad" else 1.0
 
 
 def _number(value: float | None) -> float:

@@ -48,8 +48,8 @@ def rows(result: TabledResult) -> Table:
         Column("n"),
         Column(f"measured{unit}"),
         Column(f"u{unit}"),
-        *(Column(source, over=f"simulated{unit}") for source in sources),
         Column("residual (u)"),
+        *(Column(source, over=f"simulated{unit}") for source in sources),
     )
     lines = tuple(_row(one, names, sources, scale) for one in result.points)
     return Table(f"Rows: {spoken(result.name)}", columns, (Group("", lines),))
@@ -71,8 +71,8 @@ def _row(one: Point, names: Sequence[str], sources: Sequence[str], scale: Scale)
         str(one.repeats),
         scale.text(one.measured),
         scale.text(one.u),
-        *(scale.text(one.values.get(source)) for source in sources),
         _residuals([one.residual(source) for source in sources]),
+        *(scale.text(one.values.get(source)) for source in sources),
     )
 
 

@@ -180,4 +180,4 @@ def _basis(result: TabledResult) -> str:
     degrees = result.degrees_of_freedom
     count = "" if degrees is None else f" ({degrees:g} degrees of freedom)"
     text = _BASIS[result.basis].format(standard=standard)
-    return f"u of the measured {spoken(result.name)}{count}: {text}"
+    return f"Uncertainty of the measured {spoken(result.name)}{count}: {text}"

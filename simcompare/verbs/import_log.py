@@ -56,7 +56,7 @@ def import_log(
             Path(log), columns, kind=kind, strict=strict, assume_units=assume_units
         )
     except InputError as error:
-        raise _told_as_table(error, Path(log)) from None
+        raise (_told_as_table(error, Path(log)) if mapping is None else error) from None
     if out is not None:
         recording_store.save(recording, Path(out))
     return recording

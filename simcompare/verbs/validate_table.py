@@ -11,7 +11,7 @@ from simcompare.comparison.repeats import sample_step_s
 from simcompare.errors import InputError
 from simcompare.hardware.recordings.results_table import Opened
 from simcompare.results import result_file
-from simcompare.results.records.tabled import Given, TabledColumn, TabledResult
+from simcompare.results.records.tabled import Given, TabledColumn
 from simcompare.results.run_record import now, software
 from simcompare.running.runner import Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
@@ -25,6 +25,8 @@ from simcompare.verbs.request import ValidateRequest
 from simcompare.verbs.tabled import Tabled
 
 FILE = "table.json"
+#: why a parameter has its value
+_OWN = "the scenario's own value, for no column says it"
 
 
 def validate_table(
@@ -71,7 +73,7 @@ def validate_table(
     made = Tabled(
         created=now(), scenario=file.name, title=f"{file.tree['title']}: a table of results",
         question=_question(read), recording=str(request.recording), sha256=read.table.sha256,
-        columns=tuple(map(_column, read.columns)), given=tuple(_given(setting, read, results)),
+        columns=tuple(map(_column, read.columns)), given=tuple(_given(setting, read, form)),
         results=results, remarks=read.table.remarks, beyond=form.beyond(read.found),
         contact=request.contact, engines_asked=request.engine,
         command=shlex.join(request.command()), software=software(),
@@ -114,18 +116,21 @@ def _column(one: Meaning) -> TabledColumn:
     return TabledColumn(one.heading.text, one.role, name, note)
 
 
-def _given(setting: Setting, read: Read, results: Sequence[TabledResult]) -> list[Given]:
-    """What no column says: what is assumed, what is said above the table, and what matters."""
+def _given(setting: Setting, read: Read, form: ClosedForm) -> list[Given]:
+    """What no column says: what is assumed, what is said, and the scenario's own that matters."""
     row = read.found[0].set
     values, u = setting.values(row), setting.u_of_inputs(read.found[0])
-    said = {} if setting.file.uncertainty is None else setting.file.uncertainty.inputs
-    reasons = {name: one.reason for name, one in said.items()
-               if any(name in result.inputs for result in results)}  # fmt: skip
+    known = {} if setting.file.uncertainty is None else setting.file.uncertainty.inputs
+    reasons = {
+        name: f"{_OWN}. {known[name].reason}" if name in known else _OWN
+        for name in (form.decisive(read.found[0]) if form.exists else [])
+    }
     reasons |= {name: one.reason for name, one in setting.assume.items()
-                if one.reason and name not in setting.said}  # fmt: skip
+                if name not in setting.said and (one.reason or name in reasons)}  # fmt: skip
+    reasons |= dict.fromkeys(setting.said, "as given with --set")
     reasons |= dict.fromkeys(read.above, "as stands above the table")
     return [
-        Given(name, values[name], units.unit_of(name), u.get(name), reasons[name])
-        for name in reasons
-        if name not in row
+        Given(name, values[name], units.unit_of(name), u.get(name), reason)
+        for name, reason in reasons.items()
+        if name not in row and reason
     ]

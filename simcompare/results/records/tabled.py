@@ -156,6 +156,8 @@ class TabledResult:
         told: what the table says of a parameter; without and with an offset.
         timed: how many times as long as simulated it seems to be, where one time may be of many.
         inputs: parameter -> by what part of the result its u changes the simulated value.
+        curve: of the closed form, as pairs of parameter and result; empty where more than one
+            parameter differs between rows.
     """
 
     name: str
@@ -168,6 +170,7 @@ class TabledResult:
     told: tuple[Told, ...] = ()
     timed: int | None = None
     inputs: Mapping[str, float] = field(default_factory=dict)
+    curve: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

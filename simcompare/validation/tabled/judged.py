@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +41,8 @@ _WITHIN = 2.0
 _MANY = 0.1
 #: part of a parameter that it is moved for its slope: more than what samples of a motion scatter
 _STEP = 1e-4
+#: places at which the closed form is drawn
+_DRAWN = 31
 #: experiments with which an offset is sought
 _MIN_FOR_OFFSET = 4
 
@@ -132,7 +134,20 @@ def judged(
     return TabledResult(
         entry.name, entry.unit, varied(measured)[0], basis.kind, degrees, tuple(points),
         tuple(verdicts), () if timed else tuple(_told(rows, form)), timed, _shares(rows),
+        tuple(_curve(rows, form)),
     )  # fmt: skip
+
+
+def _curve(rows: Rows, form: ClosedForm) -> Iterator[tuple[float, float]]:
+    """The closed form between the lowest and the highest of what was set."""
+    names = varied(rows.found)
+    if len(names) > 1 or not form.exists:
+        return
+    set_to = column(rows.found, names[0])
+    for x in np.linspace(set_to.min(), set_to.max(), _DRAWN):
+        y = form.at({**rows.found[0].set, names[0]: float(x)})[rows.entry.name]
+        if y is not None:
+            yield float(x), y
 
 
 def _shares(rows: Rows) -> dict[str, float]:

@@ -26,6 +26,8 @@ from simcompare.validation.tabled.experiments import Experiment
 from simcompare.validation.tabled.vocabulary import Entry
 
 Values = dict[str, float | None]
+#: part by which a parameter is changed to see whether it matters; its square is nothing
+_SMALL = 0.01
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,19 @@ class ClosedForm:
             one.name: None if truth is None else _or_none(scene, truth, one) for one in self.entries
         }
 
+    def decisive(self, one: Experiment) -> list[str]:
+        """Parameters that no row says and on which some result depends; those that are 0 do not."""
+        nominal, values = self.at(one.set), self.setting.values(one.set)
+        found = []
+        for name, bounds in self.setting.file.parameters.items():
+            if name in one.set or not values[name]:
+                continue
+            away = _SMALL if values[name] * (1 + _SMALL) <= bounds.max else -_SMALL
+            moved = self.at({**one.set, name: values[name] * (1 + away)})
+            if any(_differ(nominal[result], value) for result, value in moved.items()):
+                found.append(name)
+        return found
+
     def effects(self, one: Experiment, nominal: Values) -> dict[str, dict[str, float]]:
         """Input -> result -> by how much the input's standard uncertainty changes it."""
         found: dict[str, dict[str, float]] = {}
@@ -158,6 +173,10 @@ class ClosedForm:
             }
             found |= {name: changes} if any(changes.values()) else {}
         return found
+
+
+def _differ(one: float | None, other: float | None) -> bool:
+    return one is None or other is None or abs(one - other) > _SMALL**2 * abs(one)
 
 
 def _or_none(scene: Scenario, trajectory: Trajectory, entry: Entry) -> float | None:
