@@ -195,9 +195,10 @@ def duplicate_row() -> Damaged:
 
 def duplicate_time() -> Damaged:
     """Two different samples with one stamp."""
-    stream = clean()
-    values(stream, "t")[500] = values(stream, "t")[499]
-    return Damaged(stream, "duplicate_time", [row(500)], "fault")
+    stream = taken(clean(), np.sort(np.append(np.arange(2000), 499)))
+    for column in stream.columns[1:]:
+        column.values[500] += 1.0
+    return Damaged(stream, "duplicate_time", [row(500)], "repair", "t", truth=clean())
 
 
 def late_row() -> Damaged:

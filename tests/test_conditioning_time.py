@@ -84,6 +84,7 @@ def test_repaired_times_are_right_within_their_uncertainty(name):
         "time_gap",
         "sequence_gap",
         "duplicate_row",
+        "duplicate_time",
         "time_order",
         "truncated",
         "stale_first_row",
@@ -537,12 +538,54 @@ def test_real_clocks_are_judged_as_a_person_would():
 
 
 @pytest.mark.parametrize("count", [40, 500])
-def test_one_stamp_twice_and_one_sample_lost_are_no_coarse_clock(count):
+def test_a_rounded_stamp_that_stands_twice_is_kept_and_unsure(count):
     time = np.arange(count) / 100
     time[20:] -= 0.01  # sample 20 has the stamp of the one before
     time[30:] += 0.01  # and here one is lost
-    with pytest.raises(InputError, match=rf"line {row(20)}.* one row has the stamp of the row"):
-        conditioned(corruption.of_columns(time, x=np.sin(np.arange(count))))
+    recording = conditioned(corruption.of_columns(time, x=np.sin(np.arange(count))))
+    (told,) = found(recording, "whole_seconds")
+    assert "multiples of 0.01 s" in told.text
+    assert rows_of(told) == [row(20)]
+    stream = recording.streams["log"]
+    assert stream.clock.u_s == pytest.approx(0.01 / np.sqrt(12))
+    # all lie within the half step to which their stamps are rounded
+    assert np.abs(stream.time_s - stream.time_s[0] - time).max() < 0.005
+
+
+@pytest.mark.parametrize("ahead", [1, 3])
+def test_a_few_stale_rows_are_left_out_together(ahead):
+    time = np.concatenate((55 + np.arange(ahead) / 100, np.arange(300) / 100))
+    recording = conditioned(corruption.of_columns(time, x=np.sin(np.arange(len(time)))))
+    assert len(recording.streams["log"].time_s) == 300
+    (told,) = found(recording, "stale_first_row")
+    assert rows_of(told) == [row(i) for i in range(ahead)]
+
+
+@pytest.mark.parametrize(
+    ("period_s", "word"),
+    [(65.536, "16 bits"), (2.0**32 * 1e-6, "32 bits"), (2.0**32 * 1e-3, "32 bits"),
+     (86_400.0, "midnight")],
+)  # fmt: skip
+def test_a_clock_that_begins_again_is_counted_on(period_s, word):
+    true = period_s - 1.0 + np.arange(300) / 100
+    recording = conditioned(corruption.of_columns(true % period_s, x=np.sin(np.arange(300))))
+    (told,) = found(recording, "clock_wrap")
+    assert word in told.text
+    # a microsecond: 7 digits behind 4e6 s are what a float holds
+    assert recording.streams["log"].time_s == pytest.approx(np.arange(300) / 100, abs=1e-6)
+
+
+def test_a_run_that_begins_again_elsewhere_is_no_wrap():
+    time = np.concatenate((np.arange(3000) / 100, 10 + np.arange(3000) / 100))
+    with pytest.raises(InputError, match="goes back by"):
+        conditioned(corruption.of_columns(time, x=np.random.default_rng(3).normal(size=6000)))
+
+
+def test_rows_from_before_the_clock_was_set_are_left_out():
+    time = np.concatenate((5 + np.arange(40.0), 1.7e9 + np.arange(300)))
+    recording = conditioned(corruption.of_columns(time, x=np.sin(np.arange(340))))
+    assert len(recording.streams["log"].time_s) == 300
+    assert found(recording, "clock_set")[0].count == 40
 
 
 def test_a_log_that_ends_early_names_one_and_the_same_row():

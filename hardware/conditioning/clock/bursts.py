@@ -13,6 +13,8 @@ from simcompare.model.trajectory import Array
 
 #: from this share of repeated stamps on, sharing a stamp is the way of the log, not an accident
 _PATTERN = 0.2
+#: stamps are coarse that are rounded to more than this of the time between samples
+_COARSE = 0.05
 #: bursts are of one clock when their steps differ by less than this factor, most of them
 _STEADY, _MIN_STEADY_SHARE = 2.0, 0.8
 #: rows of one moment that are looked at as one
@@ -121,22 +123,26 @@ def _complete_each_other(column: RawColumn, first: Indices, count: Indices) -> b
 
 
 def _accidents(work: Work) -> None:
-    """Repeated stamps here and there: copies go, different rows are a fault."""
+    """Repeated stamps here and there: copies go; so do other rows, but where rounding says why."""
     again = intervals.where(work.time_s, lambda step: step == 0)
     alike = _alike(work, again)
-    other = again[~alike]
-    if len(other):
-        work.fault(
-            f"{'one row has' if len(other) == 1 else f'{len(other)} rows have'} the stamp of the"
-            f" row before but other values ({intervals.shorten(other + 1, work)}), in no pattern;"
-            " one of each is wrong: correct or remove it or, if samples are evenly spaced, write"
-            f" into a mapping file (--map): time: {{rate_Hz: {_mean_rate(work):.6g}}}"
-            " (duplicate_time)",
-            sample=int(other[0]) + 1,
-            channel=work.stream.time or "",
-        )
-    elif len(again):
+    if alike.all():
         _drop(work, again)
+        return
+    step = intervals.quantum(work)
+    if step > _COARSE * intervals.typical(work.time_s) and whole_seconds.keep(work, step):
+        return
+    work.repair(
+        "duplicate_time",
+        f"{are(len(again), 'row')} left out: {'it has' if len(again) == 1 else 'they have'} the"
+        f" stamp of the row before but other values ({intervals.shorten(again + 1, work)}), and"
+        " when they were measured is not known",
+        samples=again + 1,
+        channel=work.stream.time or "",
+    )
+    kept = np.ones(len(work.time_s), dtype=np.bool_)
+    kept[again + 1] = False
+    work.keep(kept)
 
 
 def _several_things(work: Work) -> bool:
@@ -203,6 +209,9 @@ def _sharing(first: Indices, count: Indices) -> Indices:
 
 
 def _no_pattern(work: Work, first: Indices, count: Indices) -> None:
+    step = intervals.quantum(work)
+    if step and whole_seconds.keep(work, step):
+        return
     sharing = first[count > 1] + 1
     work.fault(
         f"{int((count - 1).sum())} samples share a stamp with the one before"

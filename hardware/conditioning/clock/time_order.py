@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from simcompare.hardware.conditioning.clock import bursts, clock_jumps, intervals
+from simcompare.hardware.conditioning.clock import bursts, clock_jumps, clock_wrap, intervals
 from simcompare.hardware.conditioning.clock.intervals import Indices
 from simcompare.hardware.conditioning.words import are
 from simcompare.hardware.conditioning.work import Work
@@ -13,8 +13,10 @@ from simcompare.hardware.conditioning.work import Work
 _REGULAR = (0.6, 1.5)
 #: a row that came late is looked for among so many before it
 _LATE = 32
-#: so many rows with one step back, after the first of them, are one run
-_RUN = 10
+#: so many rows with one step back, after fewer than these of them, are one run
+_RUN, _FEW = 10, 5
+#: a clock that is set for the first time goes ahead by years [s], and shows hardly any before
+_YEAR = 3.15e7
 #: so many rows are put in order; a log with more is in none
 _MAX_MOVED = 10_000
 
@@ -37,6 +39,8 @@ def check(work: Work) -> None:
             channel=work.stream.time or "",
         )
         return
+    clock_wrap.check(work)
+    _before_set(work)
     _outliers(work, median)
     _late_rows(work, median)
     _stale_first(work)
@@ -133,19 +137,33 @@ def _late_rows(work: Work, median: float) -> None:
 
 
 def _stale_first(work: Work) -> None:
-    """A first row that is left over from the run before goes; the rest is one log."""
+    """The first rows, left over from the run before, go; the rest is one log."""
     back = intervals.where(work.time_s, lambda step: step < 0)
-    if len(work.time_s) < _RUN or back.tolist() != [0]:
+    if len(work.time_s) < _RUN or len(back) != 1 or back[0] >= _FEW - 1:
         return
-    stale, first = (work.start_s + float(work.time_s[i]) for i in (0, 1))
+    last = int(back[0])
+    stale, first = (work.start_s + float(work.time_s[i]) for i in (last, last + 1))
+    what = f"{work.place(0)} alone is" if not last else f"the first {last + 1} rows are"
     work.repair(
-        "stale_first_row", f"{work.place(0)} alone is out of order: {stale:.6g} s, before"
-        f" {first:.6g} s; left over from the run before, and left out", samples=[0],
+        "stale_first_row", f"{what} out of order: {stale:.6g} s, before {first:.6g} s;"
+        " left over from the run before, and left out", samples=np.arange(last + 1),
         channel=work.stream.time or "", before={"first_s": stale}, after={"first_s": first},
     )  # fmt: skip
-    kept = np.ones(len(work.time_s), dtype=np.bool_)
-    kept[0] = False
-    work.keep(kept)
+    work.keep(np.arange(len(work.time_s)) > last)
+
+
+def _before_set(work: Work) -> None:
+    """Rows that were written before the clock was set go, where they are the fewer."""
+    ahead = intervals.where(work.time_s, lambda step: step > _YEAR)
+    if len(ahead) != 1 or work.start_s > _YEAR or ahead[0] > len(work.time_s) // 2:
+        return
+    count = int(ahead[0]) + 1
+    work.repair(
+        "clock_set", f"the first {count} rows were written before the clock was set (it goes ahead"
+        f" by {float(np.diff(work.time_s)[ahead[0]]) / _YEAR:.3g} years after them); left out",
+        samples=np.arange(count), channel=work.stream.time or "",
+    )  # fmt: skip
+    work.keep(np.arange(len(work.time_s)) >= count)
 
 
 def _window(work: Work, i: int) -> slice:

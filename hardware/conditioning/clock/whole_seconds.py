@@ -1,4 +1,4 @@
-"""Stamps of whole seconds or minutes: when within these a sample was taken is not known."""
+"""Stamps that are rounded: when within a step of them a sample was taken is not known."""
 
 from __future__ import annotations
 
@@ -12,13 +12,17 @@ from simcompare.hardware.raw import MAX_ROWS
 _STEPS = ((60.0, "minutes"), (1.0, "seconds"))
 
 
-def keep(work: Work) -> bool:
+def keep(work: Work, step_s: float = 0.0) -> bool:
     """Keeps such stamps with their uncertainty, where the samples are not evenly spaced.
 
-    Samples that share a stamp are spread over its second, in their order. Stamps that are even are
+    Samples that share a stamp are spread over its step, in their order. Stamps that are even are
     left alone: the part of a second that they all lack changes no step.
+
+    Args:
+        work: the stream.
+        step_s: to which its stamps are rounded [s]; 0 for whole seconds or minutes alone.
     """
-    step_s, word = _step(work)
+    step_s, words = (step_s, f"multiples of {step_s:.6g} s") if step_s else _step(work)
     steps = np.diff(work.time_s)
     if not step_s or (steps < 0).any() or np.ptp(steps) == 0:
         return False
@@ -26,7 +30,7 @@ def keep(work: Work) -> bool:
     u_s = step_s / np.sqrt(12)
     work.resolution_s = step_s
     work.u_time_s = float(np.hypot(work.u_time_s, u_s))
-    text = f"the stamps are whole {word}, and the samples not evenly spaced: u = {u_s:.2g} s"
+    text = f"the stamps are {words}, and the samples not evenly spaced: u = {u_s:.2g} s"
     after = {"resolution_s": step_s, "u_time_s": work.u_time_s}
     column = work.stream.time or ""
     if not shared:
@@ -55,5 +59,5 @@ def _step(work: Work) -> tuple[float, str]:
         if np.ptp(time) < 0.5 * step_s:  # a trace of microseconds, all near to 0 minutes
             continue
         if step_s >= 0.05 * mean and np.abs(near - np.round(near)).max() < 1e-6:
-            return step_s, word
+            return step_s, f"whole {word}"
     return 0.0, ""

@@ -7,14 +7,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from simcompare.hardware.conditioning.clock import clock_wrap
 from simcompare.hardware.raw import RawLog, RawStream
 from simcompare.model.recording import REPAIR, Repair
 from simcompare.model.trajectory import Array
 
 #: rows that make a run, and steps of the clock within which it begins again at its start
 _MIN_ROWS, _NEAR = 5, 20
-#: where counters of 16, 31 and 32 bits begin again, which is no new run
-_WRAPS = (1 << 16, 1 << 31, 1 << 32)
 
 
 def split(log: RawLog) -> None:
@@ -54,9 +53,9 @@ def _restarts(times: Array) -> np.ndarray:
         return none
     near = _NEAR * float(np.median(forward))
     lengths = np.diff([0, *(back + 1), len(times)])
-    begins = (times[back + 1] >= 0) & (times[back + 1] <= max(near, float(times[0])))
-    wrapped = [any(abs(float(times[i]) - wrap) < near for wrap in _WRAPS) for i in back]
-    return back if lengths.min() >= _MIN_ROWS and begins.all() and not any(wrapped) else none
+    begins = (times[back + 1] >= 0) & (times[back + 1] <= near + max(0.0, float(times[0])))
+    wrapped = clock_wrap.period(times) is not None
+    return back if lengths.min() >= _MIN_ROWS and begins.all() and not wrapped else none
 
 
 def _part(stream: RawStream, number: int, first: int, end: int) -> RawStream:
