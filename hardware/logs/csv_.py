@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware import joints, proposed_time
@@ -23,6 +21,7 @@ from simcompare.hardware.logs.text import (
     sections,
     side_by_side,
     sniff,
+    time_parts,
 )
 from simcompare.hardware.logs.text import dates as _dates
 from simcompare.hardware.logs.text import source as _source
@@ -39,8 +38,6 @@ TITLE = "a table of text (CSV)"
 NO_CLOCK = "no clock"
 #: rows by which a table without a header is known
 _FIRST_ROWS = 50
-#: days since 1899-12-30 from 1970 to 2100, as spreadsheets write dates
-_EXCEL = (25569.0, 73050.0)
 #: nanoseconds from 1970 to 2000 and to 2100
 _Y2000, _Y2100 = 946_684_800 * 10**9, 4_102_444_800 * 10**9
 
@@ -131,10 +128,16 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     times = _time_columns(layout, found)
     layout = _with_integer_stamps(source, layout, times)
     joined = _date_and_clock(layout)
+    parts = {} if joined or mapping.time else time_parts.parts(layout)
+    times = [k for k in times if k not in parts.values()]
     spare = {name for name, _ in layout.names} - _cell.wanted_names(mapping)
     spare = spare - {layout.names[k][0] for k in times} if mapping.channels else set()
     table = _table.read(source, layout, joined=joined is not None, spare=spare)
     repairs = [*source.repairs, *table.repairs]
+    if parts and not times:
+        repairs += time_parts.join(table, {word: names[k] for word, k in parts.items()})
+        layout = replace(layout, names=(*layout.names, (time_parts.NAME, "s")))
+        times = [len(layout.names) - 1]
     if not layout.header:
         text = f"there is no header; the columns are called {', '.join(n for n, _ in layout.names)}"
         repairs.append(Repair("no_header", INFO, text[:300]))
@@ -179,6 +182,7 @@ def _named_by_numbers(source: _source.Source, layout: Layout) -> Layout:
 def _time_columns(layout: Layout, found: profiles.Found | None) -> list[int]:
     """Columns that may be the time by name and unit, or by being the only one in such a unit."""
     usable = [k for k, kind in enumerate(layout.kinds) if kind in ("number", "date")]
+    usable = [k for k in usable if k not in layout.hollow]
     if found and found.table.time:
         told = [k for k in usable if re.fullmatch(found.table.time, layout.names[k][0])]
         if told:
@@ -277,8 +281,9 @@ def _started(table: Table, layout: Layout, column: RawColumn, k: int, repairs: l
     """When the log began, for dates and for stamps that count from 1970."""
     style, origin = layout.styles.get(k), table.origins.get(column.name)
     if style is not None and origin is not None:
-        if style.kind == "clock" and origin < 86_400 * 10**9:
-            text = "the column holds times of day; they were read as seconds since the first"
+        if origin < style.period_ns:
+            what = "times of day" if style.kind == "clock" else style.words
+            text = f"the column holds {what}; they were read as seconds since the first"
             repairs.append(Repair("time_of_day", INFO, text, channel=column.name))
             return ""
         text = f"dates ({style.words}) were read as seconds since {_dates.iso(origin)}"
@@ -290,14 +295,6 @@ def _started(table: Table, layout: Layout, column: RawColumn, k: int, repairs: l
         return start
     if origin is not None:
         return _epoch(column, origin, repairs)
-    if "date" in column.name.lower() and len(column.values) and not column.unit:
-        low, high = float(np.nanmin(column.values)), float(np.nanmax(column.values))
-        if _EXCEL[0] < low <= high < _EXCEL[1]:
-            column.unit = "day"
-            start = _dates.iso(round((low - _EXCEL[0]) * 86_400e9))
-            text = f"numbers are days since 1899-12-30, as spreadsheets count; the first is {start}"
-            repairs.append(Repair("excel_date", INFO, text, channel=column.name))
-            return start
     return ""
 
 

@@ -22,6 +22,9 @@ _ENDING = re.compile(r"[a-z)\]]?[_ .([](s|sec|seconds?|ms|msec|us|µs|μs|usec|n
 _ENDINGS = {"ms": "ms", "us": "us", "µs": "us", "μs": "us", "ns": "ns"}
 #: seconds since 1970 between 2001 and 2040
 _EPOCH = (978.3e6, 2208.9e6)
+#: days since 1899-12-30 and since the year 0, from 1970 to 2100, and how both are called
+_DAYS = {25569: "1899-12-30, as spreadsheets count", 719529: "the year 0, as MATLAB counts"}
+_UNTIL_2100 = 47_482
 #: how long the samples of a device may lie apart where only the stamps can tell [s]
 _USUAL = (0.9e-4, 1.1)
 #: and how long they mostly do [s]
@@ -75,6 +78,16 @@ def _factor(work: Work, column: RawColumn) -> float | None:
 
 
 def _without_unit(work: Work, column: RawColumn, step: float, first: float) -> float | None:
+    days = _days(column, step, first)
+    if days is not None:
+        work.info(
+            "day_numbers", f"numbers are days since {_DAYS[days]}; the first is"
+            f" {_date((first - days) * 86_400)}", channel=column.name,
+        )  # fmt: skip
+        rounded_s = float(np.spacing(first)) * 86_400
+        work.u_time_s = float(np.hypot(work.u_time_s, rounded_s / np.sqrt(12)))
+        column.values -= days
+        return 86_400.0
     name = epoch_unit(first)
     if name is not None and _possible(step * _UNITS[name]):
         work.info(
@@ -90,6 +103,13 @@ def _without_unit(work: Work, column: RawColumn, step: float, first: float) -> f
         )  # fmt: skip
         return 1.0
     return _decide(work, column, step, "have no unit")
+
+
+def _days(column: RawColumn, step: float, first: float) -> int | None:
+    """From when on a column counts days, where its name speaks of a date or its steps say it."""
+    since = next((day for day in _DAYS if day <= first < day + _UNTIL_2100), None)
+    far = step * 86_400 >= _USUAL[0] and step < _USUAL[0]
+    return since if "date" in column.name.lower() or far else None
 
 
 def _contradicted(

@@ -9,14 +9,15 @@ from collections.abc import Collection, Iterable, Sequence
 import numpy as np
 
 from simcompare import units
-from simcompare.hardware.logs.text import clocks
+from simcompare.hardware.logs.text import clocks, dates
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import told_apart
 from simcompare.model.trajectory import Array
 
 #: cells that say that nothing was measured
 MISSING = (
-    "", "nan", "NaN", "NAN", "Nan", "-nan", "-NaN", "-nan(ind)", "NA", "N/A", "n/a", "#N/A", "null",
+    "", "-", "--", "---", "?",
+    "nan", "NaN", "NAN", "Nan", "-nan", "-NaN", "-nan(ind)", "NA", "N/A", "n/a", "#N/A", "null",
     "NULL", "None", "1.#QNAN", "-1.#IND", "1.#IND",
     "#VALUE!", "#DIV/0!", "#NUM!", "#REF!", "#NAME?", "#NULL!",  # as spreadsheets write them
 )  # fmt: skip
@@ -71,6 +72,8 @@ def number(text: str, decimal: str = ".", thousands: str = "") -> float | None:
         text = text.replace(",", "")
     if _NUMBER.fullmatch(text):
         return float(text.replace("d", "e").replace("D", "e"))
+    if dates.NEVER.fullmatch(text):
+        return float("nan")
     infinite = _INFINITE.fullmatch(text)
     if infinite:
         return float(f"{infinite[1]}inf")

@@ -11,7 +11,8 @@ from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
 
 _TIME = re.compile(
-    r"%?time|t|time ?stamps?|stamp|date ?/? ?time|date|zeit|temps|elapsed(?: time)?|millis|micros"
+    r"%?time|t|(?:unix ?)?time ?stamps?(?: ?\(\w*\))?|stamp|date ?/? ?time|date|zeit|temps"
+    r"|elapsed(?: time)?|millis|micros"
     r"|ms|us|(?:milli|micro|nano)?sec(?:ond)?s?|time of day|unix ?time|epoch|clock|zeitstempel"
     r"|uhrzeit|(?:mess|pr(?:ü|ue)f|lauf|versuchs)zeit|datum|horodatage|tiempo|tempo",
     re.IGNORECASE,

@@ -56,7 +56,7 @@ def _rest(line: str) -> str:
 
 def _separator(rests: Sequence[str]) -> str:
     """What separates the values behind the stamps."""
-    for separator in "\t;,":
+    for separator in "\t;|,":
         if _mostly([separator in rest for rest in rests]):
             return separator
     return " "

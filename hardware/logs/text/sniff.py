@@ -13,7 +13,7 @@ from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import groups
 from simcompare.hardware.logs.text import source as _source
-from simcompare.hardware.logs.text.dates import DateStyle, looks_like_date, style_of
+from simcompare.hardware.logs.text.dates import NEVER, DateStyle, looks_like_date, style_of
 from simcompare.hardware.logs.text.marks import marks
 
 #: separators that are tried, the surest first; a blank stands for any run of them
@@ -40,6 +40,7 @@ class Layout:
         header_line: its number, 0 where there is none.
         preamble: lines above the header.
         styles: how columns of dates write them.
+        hollow: columns that hold nothing so far.
         short_rows: whether rows may end early.
     """
 
@@ -54,6 +55,7 @@ class Layout:
     header_line: int = 0
     preamble: tuple[str, ...] = ()
     styles: dict[int, DateStyle] = field(default_factory=dict)
+    hollow: tuple[int, ...] = ()
     short_rows: bool = False
 
 
@@ -72,7 +74,7 @@ def split(line: str, separator: str) -> list[str]:
 def kind_of(cell: str) -> str:
     """What one cell holds."""
     text = cell.strip()
-    if text in _cell.MISSING:
+    if text in _cell.MISSING or NEVER.fullmatch(text):
         return "empty"
     if any(_cell.number(text, d, t) is not None for d, t in ((".", ","), (",", "."))):
         return "number"
@@ -148,6 +150,7 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
         0 if header is None else header + at,
         tuple(lines[: first if header is None else header]),
         styles,
+        tuple(k for k in range(width) if kinds[k] == "empty"),
     )
 
 

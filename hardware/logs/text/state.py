@@ -96,6 +96,7 @@ class State:
     lengths: dict[int, int] = field(default_factory=dict)
     origins: dict[int, int] = field(default_factory=dict)
     clock_ns: dict[int, int] = field(default_factory=dict)
+    period_ns: int = 0
     midnights: list[int] = field(default_factory=list)
     days: set[int] = field(default_factory=set)
     skipped: dict[str, Lines] = field(default_factory=dict)
@@ -154,7 +155,10 @@ class State:
                 Repair("no_line_end", INFO, text, rows=((self.no_end, self.no_end),), count=1)
             )
         if self.midnights:
-            text = "the time of day passes midnight; a day was added from there on"
+            hour = self.period_ns == 3600 * 10**9
+            text = "the minutes pass the hour; an hour was added from there on" if hour else (
+                "the time of day passes midnight; a day was added from there on"
+            )  # fmt: skip
             rows = ranges(self.midnights[:MAX_ROWS])
             noticed.append(Repair("midnight", REPAIR, text, rows=rows, count=len(self.midnights)))
         return noticed

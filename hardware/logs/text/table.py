@@ -179,7 +179,7 @@ class _Reader:
         kind, cell = self.layout.kinds[-1], cells[-1].strip()
         if kind == "number":
             value = _cell.number(cell, self.layout.decimal, self.layout.thousands)
-            return value is None or not cell
+            return value is None or cell in ("", "-")
         return kind == "list" and not cell.endswith(("]", ")"))
 
     def _is_short(self, line: int, cell: str) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import dates
@@ -65,19 +66,36 @@ class Values:
         stamps = dates.nanoseconds(cells, style)
         if stamps is None:
             return None
-        if style.kind == "clock" and not self.joined:
-            before = state.clock_ns.get(k, int(stamps[0]))
-            days = before // _DAY_NS
-            steps = np.diff(stamps, prepend=before % _DAY_NS)
-            wraps = np.flatnonzero(steps < -_DAY_NS // 2)
-            state.midnights += [numbers[i] for i in wraps.tolist()]
-            stamps = stamps + (days + np.cumsum(steps < -_DAY_NS // 2)) * _DAY_NS
-            state.clock_ns[k] = int(stamps[-1])
+        known = stamps != dates.NOT_KNOWN
+        if not known.all():
+            seconds = np.full(len(stamps), np.nan)
+            if known.any():
+                at = np.flatnonzero(known).tolist()
+                some = self._dated(k, [cells[i] for i in at], [numbers[i] for i in at])
+                if some is None:
+                    return None
+                seconds[known] = some
+            return seconds
+        if style.period_ns and not self.joined:
+            stamps = self._unwrapped(k, stamps, style.period_ns, numbers)
         if style.other:
             state.days.update(np.unique(stamps // _DAY_NS).tolist())
             state.examples.setdefault(k, cells[0])
         origin = state.origins.setdefault(k, int(stamps[0]))
         return (stamps - origin) / 1e9
+
+    def _unwrapped(
+        self, k: int, stamps: NDArray[np.int64], period: int, numbers: Sequence[int]
+    ) -> NDArray[np.int64]:
+        """Times of day that go on after midnight, minutes that go on after the hour."""
+        state = self.state
+        before = state.clock_ns.get(k, int(stamps[0]))
+        wraps = np.diff(stamps, prepend=before % period) < -period // 2
+        state.midnights += [numbers[i] for i in np.flatnonzero(wraps).tolist()]
+        state.period_ns = period
+        stamps = stamps + (before // period + np.cumsum(wraps)) * period
+        state.clock_ns[k] = int(stamps[-1])
+        return stamps
 
     def _lists(self, k: int, cells: Sequence[str]) -> Array | None:
         """Cells ``[0.1, 0.2]`` as one row of numbers each."""
