@@ -22,6 +22,16 @@ _MAGIC = {
     b"\x7fELF": ("a program", "give the log that it wrote"),
     b"MZ\x90": ("a program", "give the log that it wrote"),
 }
+#: first bytes of logs that only their makers' programs read -> what it is, and how to make a table
+_BINARY = {
+    b"ULog\x01\x12\x35": ("a log of PX4", "pip install pyulog; ulog2csv FILE"),
+    b"\xa3\x95\x80\x80": (
+        "a log of ArduPilot",
+        "pip install pymavlink; mavlogdump.py --format csv --types IMU FILE > imu.csv",
+    ),
+    b"H Product:Blackbox": ("a black box of Betaflight", "blackbox_decode FILE"),
+    b":WFM#": ("a waveform of Tektronix", "save it on the oscilloscope as CSV"),
+}
 #: a member of a zip archive -> what it is
 _MEMBERS = {
     "word/document.xml": "a Word document",
@@ -35,6 +45,9 @@ def kind_of(head: Head) -> str:
     """What a file is that is certainly no log, and what to do; empty for all others."""
     if head.path.is_dir():
         return _folder(head)
+    if binary := _binary(head.start):
+        what, how = binary
+        return f"is {what} in its binary form, which is not read; make a CSV of it: {how}"
     kind = next((words for magic, words in _MAGIC.items() if head.start.startswith(magic)), None)
     if kind is None:
         member = next((words for name, words in _MEMBERS.items() if name in head.members), "")
@@ -44,6 +57,15 @@ def kind_of(head: Head) -> str:
     if kind is None and head.start[:200].lstrip().lower().startswith((b"<!doctype html", b"<html")):
         kind = ("a web page", "download the file itself, not the page that shows it")
     return f"is {kind[0]}, not a log; {kind[1]}" if kind else ""
+
+
+def _binary(start: bytes) -> tuple[str, str] | None:
+    """What a binary log is, and how a table is made of it."""
+    if b"WAVEDESC" in start[:64]:
+        return "a waveform of LeCroy", "save it on the oscilloscope as ASCII (Time and Amplitude)"
+    if start[:2] in (b"\x02\x50", b"\x03\x50"):
+        return "a C3D file of motion capture", "export it as CSV or TRC"
+    return next((words for magic, words in _BINARY.items() if start.startswith(magic)), None)
 
 
 def _folder(head: Head) -> str:

@@ -14,6 +14,10 @@ from simcompare.hardware.logs.binary import mat_check, mat_v4
 
 _MAX_DEPTH = 16
 _MAX_CELLS = 100_000
+_OBJECT = (
+    "is an object of MATLAB, such as a timetable, which only MATLAB reads; write it there as a"
+    " table of text: writetimetable({name}, '{name}.csv'), or writetable for a table"
+)
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
@@ -54,7 +58,15 @@ def _load_5(path: Path) -> dict[str, object]:
     except Exception as error:  # noqa: BLE001
         text = f"is damaged ({type(error).__name__}: {error}"[:300]
         raise InputError(str(path), [f"{text}); save it again with save -v7"]) from None
-    return {name: _plain(value) for name, value in variables.items() if not name.startswith("__")}
+    told = (_variable(*each) for each in variables.items() if not each[0].startswith("__"))
+    return dict(told)
+
+
+def _variable(name: str, value: Any) -> tuple[str, object]:  # noqa: ANN401  (whatever a file holds)
+    """A variable with its name; of an object, scipy gives the name within."""
+    if type(value).__name__ == "MatlabOpaque" and "s0" in (value.dtype.names or ()):
+        name = bytes(value["s0"][0]).decode("latin-1")
+    return name, _plain(value, name=name)
 
 
 def _check(path: Path) -> None:
@@ -66,7 +78,7 @@ def _check(path: Path) -> None:
         raise mat_check.Damaged(fault)
 
 
-def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file may hold)
+def _plain(value: Any, depth: int = 0, name: str = "NAME") -> Any:  # noqa: ANN401  (whatever a file may hold)
     """What scipy returns, without its own types."""
     if depth > _MAX_DEPTH:
         return Refused("is nested too deeply")
@@ -74,9 +86,9 @@ def _plain(value: Any, depth: int = 0) -> Any:  # noqa: ANN401  (whatever a file
         return Refused("is a sparse matrix; save it as full(…)")
     if isinstance(value, str):
         return Refused(value)  # scipy's word for what it cannot read
-    if not isinstance(value, np.ndarray) or type(value).__name__ in (
-        "MatlabOpaque", "MatlabFunction",
-    ):  # fmt: skip
+    if type(value).__name__ == "MatlabOpaque":
+        return Refused(_OBJECT.format(name=name))
+    if not isinstance(value, np.ndarray) or type(value).__name__ == "MatlabFunction":
         return Refused(f"is a {type(value).__name__}, which holds no numbers")
     if value.dtype.names:
         return _struct(value, depth)
