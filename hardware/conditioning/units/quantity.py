@@ -33,11 +33,12 @@ _WORDS = {
     ("rad/s",): "drehzahl rpm drehrate",
     ("tesla",): "magnetometer mag magx magy magz magnetic magnetfeld field bx by bz",
     ("m/s", "rad/s"): "speed velocity geschwindigkeit vitesse vel",
-    ("m",): "distance height altitude abstand weg hoehe displacement",
+    ("m",): "distance height altitude alt abstand weg hoehe displacement",
+    ("s",): "minute minutes hour hours",
     ("m/s**2", "m/s", "m"): "vibration shock",
     ("Hz", "rad/s"): "frequency frequenz frequence",
     ("W",): "power leistung puissance",
-    ("J",): "energy energie",
+    ("J", "A*s"): "energy energie",
     ("A*s",): "charge ladung",
 }  # fmt: skip
 #: SI units of what is called by one letter or a Greek one, as written
@@ -163,6 +164,8 @@ def meant(name: str, unit: str) -> str:
     """A unit as it is meant in a column of that name; itself where the name does not decide."""
     unit = _rate(name, unit)
     several, fitting_name = units.ways(unit), possible(name)
+    if unit == "m" and {"minute", "minutes"} & {*words(name)}:
+        return "min"
     if unit == "ms" and "m/s" in fitting_name and not _TIMES & {*words(name)}:
         return "m/s"  # as in speed_ms
     if fitting_name == {"N"}:  # a force in kg is the weight of them
