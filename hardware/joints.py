@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable
 
 from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.logs import profiles
 from simcompare.hardware.mapping import PRISMATIC, REVOLUTE, Mapping
 from simcompare.hardware.raw import RawColumn, RawLog
 from simcompare.model.recording import INFO, Repair
@@ -63,11 +64,25 @@ def settle(raw: RawLog, mapping: Mapping, file: str) -> None:
         unknown = [f"joints: {UnknownName('joint', n, names)}" for n in told if n not in names]
     if unknown:
         raise InputError(file, unknown)
+    known = _of_known_robot(names, raw) if not isinstance(mapping.joints, str) else {}
     for column in columns:
-        kind = told.get(column.joint) or raw.joints.get(column.joint)
+        kind = told.get(column.joint) or raw.joints.get(column.joint) or known.get(column.joint)
         if kind and not column.unit:
             column.unit = UNITS[column.quantity][kind]
     described_here = [name for name in names if name in raw.joints and name not in told]
     if described_here:
         text = "units of joints are those of the robot description in the bag"
         raw.repairs.append(Repair("joint_units", INFO, f"{text}: {', '.join(described_here)}"))
+
+
+def _of_known_robot(names: Iterable[str], raw: RawLog) -> dict[str, str]:
+    """Kinds of the joints, where their names together are those of a robot that is known."""
+    robot = profiles.robot([*names])
+    if robot is None:
+        return {}
+    kinds = {REVOLUTE: robot.revolute, PRISMATIC: robot.prismatic}
+    known = {name: kind for name in names for kind, pattern in kinds.items()
+             if pattern and re.fullmatch(pattern, name)}  # fmt: skip
+    text = f"joints are called as those of {robot.name}; its description says how they move"
+    raw.repairs.append(Repair("joint_units", INFO, f"{text}: {', '.join(known)}"[:300]))
+    return known

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -99,6 +100,35 @@ CASES = {
         "mt.txt", "// Update Rate: 100.0Hz\n// Firmware Version: 4.0.2\n"
         "PacketCounter\tSampleTimeFine\tAcc_X\tAcc_Y\tAcc_Z\tRoll\n",
         "{n}\t\t0.1\t{w}\t9.8\t90", {"acc_z_m_s2": 9.8, "roll_rad": 90 * DEG},
+    ),
+    "crazyflie": (
+        "log.csv", "time,stateEstimate.x,stabilizer.roll,acc.z,pm.vbat,\n", "{ms},1.5,90,{w},3.7,",
+        {"stateestimate_x_m": 1.5, "stabilizer_roll_rad": 90 * DEG, "pm_vbat_V": 3.7},
+    ),
+    "klipper": (
+        "adxl345-x.csv", "#time,accel_x,accel_y,accel_z\n", "{t},10,{w},9806.65",
+        {"accel_z_m_s2": G},
+    ),
+    "saleae": ("analog.csv", "Time [s],Channel 0,supply\n", "{t},1.5,{w}", {"channel_0_V": 1.5}),
+    "science journal": (
+        "run.csv", "relative_time,AccX,AccY,AccZ,BarometerSensor,MagneticRotationSensor\n",
+        "{ms},{w},0.1,9.8,1013,40", {"accz_m_s2": 9.8, "barometersensor_Pa": 101300.0,
+                                    "magneticrotationsensor_T": 40e-6},
+    ),
+    "imu of ros with underscores": (
+        "imu.csv", "time,linear_acceleration_x,linear_acceleration_y,linear_acceleration_z,"
+        "angular_velocity_x\n", "{t},0.1,{w},9.8,0.5",
+        {"linear_acceleration_z_m_s2": 9.8, "angular_velocity_x_rad_s": 0.5},
+    ),
+    "scan of ros": (
+        "scan.csv", "%time,field.header.stamp,field.angle_min,field.scan_time,field.ranges0\n",
+        "{ns},{ns},0.5,0.1,{n}.5",
+        {"field_angle_min_rad": 0.5, "field_scan_time_s": 0.1},
+    ),
+    "forces of opensim, a side in the name": (
+        "grf.mot", "grf\nversion=1\nnRows=40\nnColumns=4\ninDegrees=no\nendheader\n"
+        "time\tground_force_r_vy\tground_force_1_px\tground_torque_r_x\n", "{t}\t700\t{w}\t2",
+        {"ground_force_r_vy_N": 700.0, "ground_torque_r_x_N_m": 2.0},
     ),
     "vesc tool": (
         "log.csv",
@@ -340,6 +370,35 @@ def test_the_recording_says_what_was_recognised(tmp_path):
     assert recording.streams["log"].clock.start.startswith("2024-03-22T12:38:31")
 
 
+def test_values_of_a_vesc_in_json_have_the_units_of_their_library(tmp_path):
+    # rpm is the electrical speed there: pole pairs times that of the shaft
+    path = tmp_path / "VESC.TXT"
+    line = '{{"avgMotorCurrent":1.5,"inpVoltage":12.5,"wattHours":1.0,"rpm":700,"t":{t}}}'
+    path.write_text("".join(line.format(t=0.1 * n) + "\n" for n in range(40)))
+    stream = import_log(path).streams["log"]
+    assert stream.channels["inpvoltage_V"].values[0] == 12.5
+    assert stream.channels["watthours_J"].values[0] == 3600.0
+    assert [name for name in stream.channels if name.startswith("rpm")] == []
+
+
+def test_joints_of_a_known_robot_are_what_its_description_says():
+    panda = [f"panda_joint{n}" for n in range(1, 8)]
+    found = profiles.robot([*panda, "panda_finger_joint1"])
+    assert found is not None
+    assert found.name == "Franka Panda"
+    # one joint alone, or joints that others have too, are no robot
+    assert profiles.robot(panda[:6]) is None
+    assert profiles.robot(["joint1", "joint2", "joint3", "elbow_joint"]) is None
+
+
+def test_every_robot_is_known_by_joints_that_it_describes():
+    for source in profiles.sources().values():
+        for robot in source.robots:
+            kinds = [robot.revolute, robot.prismatic]
+            for joint in robot.known_by:
+                assert sum(bool(k and re.fullmatch(k, joint)) for k in kinds) == 1, joint
+
+
 def test_a_name_that_says_nothing_gives_no_units():
     # three axes of any sensor: only the name of the file said which
     assert (
@@ -359,7 +418,7 @@ def test_every_unit_of_a_source_is_one():
     for source in profiles.sources().values():
         for table in source.tables:
             for quantity in table.channels.values():
-                if quantity.unit != "above":
+                if quantity.unit not in ("above", "eRPM"):
                     units.si_of(quantity.unit, "")
 
 

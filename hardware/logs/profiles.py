@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
@@ -94,6 +94,22 @@ class TableOf(_Part):
         return {k: {"unit": v} if isinstance(v, str) else v for k, v in given.items()}
 
 
+class Robot(_Part):
+    """A robot that is known by the names of its joints.
+
+    Attributes:
+        name: of the robot.
+        known_by: joints that are all there.
+        revolute: a regular expression for whole names of joints that turn.
+        prismatic: the same for joints that slide.
+    """
+
+    name: str
+    known_by: tuple[str, ...] = Field(min_length=2)
+    revolute: str = ""
+    prismatic: str = ""
+
+
 class Source(_Part):
     """A program or device.
 
@@ -101,11 +117,13 @@ class Source(_Part):
         title: its name.
         evidence: where its units are stated.
         tables: what it writes.
+        robots: whose joints it describes.
     """
 
     title: str
     evidence: tuple[Evidence, ...] = Field(min_length=1)
-    tables: tuple[TableOf, ...] = Field(min_length=1)
+    tables: tuple[TableOf, ...] = ()
+    robots: tuple[Robot, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -158,6 +176,27 @@ def find(file: str, above: Sequence[str], names: Sequence[tuple[str, str]]) -> F
             if _fits(table, file, text, [name for name, _ in names]):
                 return _found(source.title, table, text, names)
     return None
+
+
+def settle(log: RawLog, file: str) -> None:
+    """Gives the columns of each stream the units that their source defines, where it is known.
+
+    Args:
+        log: of a format that has no lines above a header.
+        file: its name.
+    """
+    for stream in log.streams:
+        found = find(file, (), [(column.name, column.unit) for column in stream.columns])
+        if found is not None:
+            for column, (_, unit) in zip(stream.columns, found.names, strict=True):
+                column.unit = unit
+            found.finish(RawLog([stream], repairs=log.repairs))
+
+
+def robot(joints: Collection[str]) -> Robot | None:
+    """The first robot all of whose telling joints are among these names."""
+    known = (robot for source in sources().values() for robot in source.robots)
+    return next((robot for robot in known if {*robot.known_by} <= {*joints}), None)
 
 
 def name(rows: Sequence[Sequence[float]]) -> tuple[str, ...]:
