@@ -133,6 +133,7 @@ def test_rows_are_counted_and_not_the_numbers_in_them(table):
         ("bounce,restitution\n\n1\n", 3, "1 cells but"),
         ("bounce,restitution,u_restitution\n1,0.8,-0.1\n", 2, "must be above 0"),
         ("bounce,restitution,u_restitution\n1,0.8,0\n", 2, "must be above 0"),
+        ("bounce,restitution,u_restitution\n1,0.8,1e-300\n", 2, "nothing is measured that finely"),
         ("bounce,restitution\n1,nan\n", 2, "not finite"),
         ("bounce,restitution\n1,1e999\n", 2, "not finite"),
         ("bounce,restitution\n0,0.8\n", 2, "numbered 1, 2, 3"),

@@ -31,6 +31,8 @@ from simcompare.hardware.recordings.bounce_headings import HEIGHT, Column
 
 #: head lines that describe the table rather than set a parameter
 HEAD_KEYS = ("title", "citation", "url", "note", "preset", "scenario", "seen")
+#: finest relative uncertainty that is believed; float64 itself is not much finer
+_FINEST = 1e-12
 
 
 @dataclass(frozen=True)
@@ -236,4 +238,8 @@ def _quantity(
             faults.append(f"line {number}: {name} = {value:g} is not within {low:g} … {high:g}")
         elif u is None:
             u = (high - low) / 2 / math.sqrt(3)
+    if u is not None and u < _FINEST * abs(value):
+        faults.append(f"line {number}: {name} = {value:g} with an uncertainty of {u:g}: nothing is"
+                      " measured that finely; state the standard uncertainty, or leave out its"
+                      " column")  # fmt: skip
     return Quantity(name, bounce, value, u, low, high)

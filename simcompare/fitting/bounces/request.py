@@ -30,6 +30,10 @@ class Constraints:
     priors: Mapping[str, Prior]
 
 
+#: uncertainties of instants that are believed [s]
+_FINEST_S, _COARSEST_S = 1e-12, 1e9
+
+
 def check_request(
     recordings: Sequence[str | Path],
     hold_out: Sequence[str | Path],
@@ -38,8 +42,9 @@ def check_request(
     settings: Mapping[str, float],
 ) -> None:
     """Raises ``InputError`` for what would count data twice, or would be ignored."""
-    if u_time_s is not None and not u_time_s > 0:
-        raise InputError("--u-time", [f"{u_time_s:g} s is not an uncertainty; it must exceed 0"])
+    if u_time_s is not None and not _FINEST_S <= u_time_s <= _COARSEST_S:
+        fault = f"{u_time_s:g} s is no uncertainty of an instant; expected 1e-12 s to 1e9 s"
+        raise InputError("--u-time", [fault])
     places = [str(Path(name).resolve()) for name in (*recordings, *hold_out)]
     twice = {str(n) for n, p in zip((*recordings, *hold_out), places, strict=True)
              if places.count(p) > 1}  # fmt: skip
