@@ -38,7 +38,9 @@ def write_html(runs: Sequence[Run], path: Path) -> Path:
 
 def write_html_of(blocks: Sequence[Block], path: Path) -> Path:
     """The same for what is shown of something, which need not be a run."""
-    return output.write(Path(path), html_of(blocks).encode("utf-8"), output.MARKS["html"])
+    return output.write(
+        Path(path), html_of(blocks).encode("utf-8", "backslashreplace"), output.MARKS["html"]
+    )
 
 
 def html_of(blocks: Sequence[Block]) -> str:
@@ -103,7 +105,9 @@ def write_markdown(runs: Sequence[Run], path: Path) -> Path:
     """
     text = _environment().get_template("report.md").render(blocks=blocks_of(runs))
     mark = output.MARKS["md"]
-    return output.write(Path(path), text.encode("utf-8") + b"\n" + mark + b"\n", mark)
+    return output.write(
+        Path(path), text.encode("utf-8", "backslashreplace") + b"\n" + mark + b"\n", mark
+    )
 
 
 def blocks_of(runs: Sequence[Run]) -> list[Block]:

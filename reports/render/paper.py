@@ -205,5 +205,6 @@ def _font(strong: bool) -> FT2Font:
 
 @functools.cache
 def _advance(letter: str, strong: bool) -> float:
-    """Width of a letter, relative to its size."""
+    """Width of a letter, relative to its size; a byte that is no letter is drawn as one."""
+    letter = letter.encode("utf-8", "replace").decode("utf-8")
     return _font(strong).load_char(ord(letter)).linearHoriAdvance / 65536 / _PIXELS

@@ -43,8 +43,12 @@ def plain(record: object) -> Plain:
 
 
 def text(record: object, indent: int | None = None) -> str:
-    """JSON of a record; a number that is not finite is an error, not ``NaN``."""
-    return json.dumps(plain(record), indent=indent, ensure_ascii=False, allow_nan=False)
+    """JSON of a record; a number that is not finite is an error, not ``NaN``.
+
+    A byte of a file's name that is not UTF-8 is written as an escape of JSON.
+    """
+    found = json.dumps(plain(record), indent=indent, ensure_ascii=False, allow_nan=False)
+    return found.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def of_plain(kind: type[Record], data: object) -> Record:

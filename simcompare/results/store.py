@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import csv
-import os
 import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
@@ -43,17 +42,11 @@ def check_writable(folder: Path) -> None:
     """Makes the output folder and proves that it can be written to, before anything is simulated.
 
     Raises:
-        OutputError: it cannot, or no text can hold its name.
+        OutputError: it cannot.
     """
     try:
-        str(folder).encode()
         folder.mkdir(parents=True, exist_ok=True)
         whole.probe(folder)
-    except UnicodeEncodeError:
-        raise OutputError(
-            f"--out {os.fsencode(folder)!r}: its name is not UTF-8, so no file can hold it;"
-            " choose another folder"
-        ) from None
     except OSError as error:
         raise OutputError(
             f"--out {folder}: cannot be written to ({error.strerror}); choose another folder"
