@@ -12,6 +12,7 @@ from typing import Any as _Any
 #: name -> the module that has it, and what it is called there where that differs
 _PUBLIC = {
     "run": "simcompare.verbs.run",
+    "resume": "simcompare.verbs.run",
     "load_run": "simcompare.verbs.load_run",
     "report": "simcompare.verbs.report",
     "list": "simcompare.verbs.listing:listing",

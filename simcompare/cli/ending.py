@@ -171,4 +171,7 @@ def _how_far(result: Run) -> str:
     sources, repeats = result.record.sources, result.record.repeats
     done = f"{sum(source.repeats for source in sources)} of {len(sources) * repeats}"
     told = f"simcompare: interrupted; {done} simulations had finished"
-    return told if result.folder is None else f"{told} and are kept in {result.folder}"
+    if result.folder is None:
+        return told
+    words = ["simcompare", "run", "--resume", str(result.folder)]
+    return f"{told} and are kept; go on with: {shlex.join(words)}"

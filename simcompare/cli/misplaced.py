@@ -18,6 +18,7 @@ from simcompare.errors import InputError, SimcompareError, UnknownName
 from simcompare.scenarios import catalogue
 
 _TIMES = {2: "twice"}
+_MORE = "simcompare {} --help has examples"
 #: what the parser raises where words do not fit
 _USAGE: type[Exception] = typer.BadParameter.__mro__[1]
 
@@ -43,13 +44,11 @@ class Verb(TyperCommand):
 
     def _missing(self, error: typer.BadParameter) -> InputError | None:
         """What is said where something that must be given is not."""
-        param, more = error.param, f"simcompare {self.name} --help has examples"
+        param, more = error.param, _MORE.format(self.name)
         if param is None or type(error).__name__ != "MissingParameter":
             return None
         if param.name == "scenario":
-            return InputError(
-                str(self.name), [f"which scenario? simcompare list names all, {more}"]
-            )
+            return which_scenario(str(self.name))
         name = param.opts[0] if param.param_type_name == "option" else str(param.name).upper()
         wanted = (getattr(param, "help", "") or "a value").rstrip(".")
         return InputError(str(self.name), [f"{name} is missing ({wanted}); {more}"])
@@ -66,6 +65,11 @@ class Verb(TyperCommand):
             return UnknownName(f"option of {self.name}", name, known)
         cure = "takes no value" if _is_flag(by_name.get(name)) else "needs a value behind it"
         return InputError(str(self.name), [f"{name} {cure}; all options: {more}"])
+
+
+def which_scenario(verb: str) -> InputError:
+    """What is said where a scenario must be given and is not."""
+    return InputError(verb, [f"which scenario? simcompare list names all, {_MORE.format(verb)}"])
 
 
 def _is_flag(param: Any) -> bool:  # noqa: ANN401

@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from simcompare import notation
-from simcompare.cli import complete, console, ending, manner, opening
+from simcompare.cli import complete, console, ending, manner, misplaced, opening
+from simcompare.errors import InputError
 
 if TYPE_CHECKING:
     from simcompare.comparison.against import Match
     from simcompare.model.plain import Plain
     from simcompare.results.records.run import Measurement
     from simcompare.results.run import Run
+    from simcompare.verbs.request import RunRequest
+
+
+#: options that the API calls otherwise
+_FIELDS = {"settings": "set"}
 
 
 def run(
+    ctx: typer.Context,
     scenario: str = typer.Argument(
-        help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
+        None, help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
     ),
     engine: str = typer.Option(
         "all",
@@ -63,29 +70,31 @@ def run(
     details: bool = typer.Option(False, "--details", help="Print a table of every measure."),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
     time_limit: float = typer.Option(120.0, help="Longest time for one simulation, in seconds."),
+    resume: Path = typer.Option(
+        None,
+        metavar="RUN",
+        help="Go on with a run that was ended early, such as runs/20260101-120000-ball.",
+    ),
 ) -> None:
     """Simulate a scenario in many engines and compare them."""
     from simcompare.verbs import run as experiment
 
     opening.check(opened, report=report)
-    with console.progress_bar(scenario) as progress:
-        result = experiment.run(
-            scenario,
-            engine=engine,
-            contact=contact,
-            assist=assist,
-            judge=judge,
-            set=console.pairs(settings),
-            preset=preset,
-            step=step,
-            seeds=seeds,
-            against=against,
-            sensor=_sheets(sensor),
-            seed=seed,
-            out=out,
-            time_limit_s=time_limit,
-            progress=progress,
-        )
+    asked: Plain = {
+        "engine": engine, "contact": contact, "assist": assist, "judge": judge,
+        "set": console.pairs(settings), "preset": preset, "step": step, "seeds": seeds,
+        "against": against, "sensor": _sheets(sensor), "seed": seed,
+    }  # fmt: skip
+    if resume is not None:
+        _check_same(ctx, resume, experiment.request_of(scenario or "", **asked))
+    elif scenario is None:
+        raise misplaced.which_scenario("run")
+    how: Plain = {"time_limit_s": time_limit}
+    with console.progress_bar(scenario or str(resume)) as progress:
+        if resume is None:
+            result = experiment.run(scenario, **asked, out=out, progress=progress, **how)
+        else:
+            result = experiment.resume(resume, progress=progress, **how)
     ending.finish_run(
         result,
         lambda: _plain(result),
@@ -94,6 +103,33 @@ def run(
         opened=opened,
         as_json=as_json,
     )
+
+
+def _check_same(ctx: typer.Context, place: Path, now: RunRequest) -> None:
+    """Refuses options that ask something else than the run that is to go on was asked.
+
+    Raises:
+        InputError: which do.
+    """
+    from simcompare.verbs import kept
+
+    then = kept.request_of(place)
+    typed = [one for one in ctx.command.params if _is_typed(ctx, one)]
+    fields = {one.name: _FIELDS.get(str(one.name), str(one.name)) for one in typed}
+    faults = [
+        f"{one.opts[0]} is not what the run was begun with; leave it out"
+        for one in typed
+        if getattr(now, fields[one.name], None) != getattr(then, fields[one.name], None)
+    ]
+    if any(one.name == "out" for one in typed):
+        faults.append("the run stays in its folder; drop --out")
+    if faults:
+        raise InputError(f"--resume {place}", faults)
+
+
+def _is_typed(ctx: typer.Context, param: Any) -> bool:  # noqa: ANN401
+    source = ctx.get_parameter_source(str(param.name))
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def _sheets(given: list[str]) -> dict[str, str]:

@@ -82,8 +82,8 @@ def save(
         for name, text in (more or {}).items():
             (partial / name).write_text(text, encoding="utf-8")
         (partial / RECORD).write_text(plain.text(record, indent=1) + "\n", encoding="utf-8")
-        if begun is not None and run.record.interrupted:
-            begun.carry(partial)
+        if begun is not None:
+            begun.carry(partial, parts=run.record.interrupted)
     return replace(run, record=record, folder=place)
 
 
@@ -103,6 +103,7 @@ def new_folder(
     Raises:
         OutputError: it cannot be written; nothing is left behind.
     """
+    lost = " nothing was kept," if begun is None else ""
     try:
         with contextlib.ExitStack() as stack:
             if begun is None:
@@ -114,8 +115,8 @@ def new_folder(
                 yield begun.folder, partial
     except OSError as error:
         raise OutputError(
-            f"{folder}: the {what} cannot be written ({error.strerror or error});"
-            " nothing was kept, free some space or choose another --out"
+            f"{folder}: the {what} cannot be written ({error.strerror or error});{lost}"
+            " free some space or choose another --out"
         ) from None
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import os
 import re
 import shutil
 from dataclasses import dataclass
@@ -58,11 +59,21 @@ class Unfinished:
                 found[path.name] = file.read()
         return found
 
-    def carry(self, made: Path) -> None:
-        """Puts what was kept into a folder that will take the place of this one."""
-        for name, content in self.parts().items():
-            (made / PARTS).mkdir(exist_ok=True)
-            (made / PARTS / name).write_bytes(content)
+    def carry(self, made: Path, *, parts: bool) -> None:
+        """Puts into a folder that will take the place of this one what is nowhere else.
+
+        Args:
+            made: that folder.
+            parts: whether what was kept goes along, beside what others have laid there.
+        """
+        for path in self.folder.iterdir():
+            is_left = not parts if path.name == PARTS else path.stem == "report"
+            if is_left or (made / path.name).exists():
+                continue
+            if path.is_dir() and not path.is_symlink():
+                shutil.copytree(path, made / path.name, symlinks=True, copy_function=_linked)
+            else:
+                _linked(path, made / path.name)
 
     def drop(self) -> None:
         """Deletes the folder with what was kept in it."""
@@ -145,6 +156,14 @@ def is_running(folder: Path) -> bool:
     """Whether the maker of an unfinished run still lives."""
     with contextlib.ExitStack() as held:
         return not whole.lock(folder, held)
+
+
+def _linked(old: str | Path, new: str | Path) -> None:
+    """The same file under another name, which takes no room; a copy where it must be one."""
+    try:
+        os.link(old, new, follow_symlinks=False)
+    except OSError:
+        shutil.copy2(old, new, follow_symlinks=False)
 
 
 def _inside(parts: Path) -> list[Path]:

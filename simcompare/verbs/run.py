@@ -2,40 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
-from simcompare import measures
 from simcompare.arguments import checked
-from simcompare.comparison import ablation
-from simcompare.comparison.against import matches
-from simcompare.comparison.comparison import Repeat, Score, scores_of
-from simcompare.comparison.repeats import AtStep, at_steps, sample_steps_s
 from simcompare.engine import engines
-from simcompare.engine.assist import ALL, NONE
-from simcompare.engine.helps import known
-from simcompare.errors import InputError, SimcompareError
-from simcompare.hardware.recordings import bounce_table
-from simcompare.hardware.recordings.bounce_table import BounceTable
-from simcompare.model.scenario import Scenario
-from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, TUNED, Settings
-from simcompare.model.trajectory import TRUTH
-from simcompare.results import run_record, sensing, store
-from simcompare.results.records.run import Measurement, RunRecord
-from simcompare.results.run import Stored
-from simcompare.running.jobs import FAILED, OK, Job, Outcome
+from simcompare.engine.assist import ALL
+from simcompare.model.settings import ASSISTED, DEFAULT, TUNED
+from simcompare.results import store
+from simcompare.running import interruption
 from simcompare.running.runner import TIME_LIMIT_S, Interrupted, Progress, run_jobs
-from simcompare.scenarios import catalogue
-from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
+from simcompare.verbs.gathered import gathered
+from simcompare.verbs.kept import Kept
 from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import RunRequest
 from simcompare.verbs.result import Result
-
-if TYPE_CHECKING:
-    from simcompare.results.fit_file import FitFile
+from simcompare.verbs.run_plan import RunPlan, planned
 
 
 @checked
@@ -94,193 +79,80 @@ def run(
     Raises:
         SimcompareError: faults of the arguments or of a file, or nowhere to store the run.
     """
-    scenario, engine = str(scenario), engines.listed(engine)
-    chosen = engines.select(engine)
-    modes, fit = levels.chosen_levels(contact)
-    helps = levels.chosen_helps(assist, engine)
-    levels.check_used(modes, helps, judge)
-    judged = levels.judged_levels(judge, fit)
-    request = RunRequest(
-        scenario=scenario, engine=engine, contact=levels.names(contact),
-        assist=levels.names(assist), judge=levels.names(judge), set=set, preset=preset, step=step,
-        seeds=seeds, against=against, sensor=sensor, seed=seed,
+    request = request_of(
+        scenario, engine=engine, contact=contact, assist=assist, judge=judge, set=set,
+        preset=preset, step=step, seeds=seeds, against=against, sensor=sensor, seed=seed,
     )  # fmt: skip
-    file = catalogue.load(scenario)
-    table = _table(file, against)
-    values = {**({} if fit is None else fit.base(file)), **file.read_settings(set or {})}
-    if table is not None:
-        values, preset = with_conditions(file, table, values, preset)
-    steps_s = sample_steps_s(file, values, preset, step)
-    if seeds is not None and seeds < 1:
-        raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
-    if seeds is not None and file.resolve(values, preset=preset).dither is None:
-        raise InputError("--seeds", [f"{file.name} has nothing that is dithered between repeats"])
-    usual_s = None if fit is None else fit.usual_step_s
-    sources = len(chosen) * len(modes)
-    steps = at_steps(file, values, preset, steps_s or [usual_s], seeds, sources)
-    devices = sensing.asked_devices(steps[0].nominal, sensor or {}, seed)
+    plan = planned(request)
     if out is not None:
         store.check_writable(Path(out))
-    jobs = [
-        job
-        for name in chosen
-        for mode in modes
-        for at in steps
-        for job in _jobs(file, name, mode, at, fit, helps)
-    ]
-    refused = [] if fit is None else levels.not_in_fit(jobs, fit, file)
-    unfitted = {id(outcome.job) for outcome in refused}
-    jobs = [job for job in jobs if id(job) not in unfitted]
-    interrupted = False
-    try:
-        outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
-    except Interrupted as stop:
-        outcomes, interrupted = stop.outcomes, True
-    done = _gather(file, steps, [*outcomes, *refused], table)
-    assert isinstance(done.record, RunRecord)
-    record = replace(
-        done.record,
-        engines_asked=engine,
-        scenario_asked=scenario,
-        against_asked=None if against is None else str(against),
-        fit_asked=None if fit is None else str(fit.path),
-        cautions=() if fit is None else _cautions(fit, file, steps),
-        assist=None if helps is None else known(helps) or NONE,
-        judge=None if judged is None else tuple(judged),
-        preset=preset,
-        interrupted=interrupted,
-        command=request.command(),
-    )
-    done = sensing.sensed(replace(done, record=record), devices, seed)
-    return done if out is None else store.save(done, Path(out))
+    return _ended(plan, Kept(plan, out), time_limit_s, progress)
 
 
-def with_conditions(
-    file: ScenarioFile, table: BounceTable, values: Mapping[str, float], preset: str | None
-) -> tuple[dict[str, float], str | None]:
-    """Parameters and preset under which a table was measured, with what the user adds.
+@checked
+@with_line
+def resume(
+    place: str | Path, *, time_limit_s: float = TIME_LIMIT_S, progress: Progress | None = None
+) -> Result:
+    """Goes on with a run that was ended early; what had finished is not simulated again.
+
+    ::
+
+        run = simcompare.resume("runs/20260101-120000-ball")
+
+    Args:
+        place: folder of the run.
+        time_limit_s: longest time for one simulation [s].
+        progress: called as ``progress(engine, done, total)``; counts what was missing.
+
+    Returns:
+        The run, the same as if nobody had ended it.
 
     Raises:
-        InputError: the user, or the table, asks for another scenario, preset or condition.
+        InputError: no such run, it still goes on, or scenario, engines or simcompare have changed
+            since it began; names which.
     """
-    measured = file.read_settings(table.parameters, str(table.path))
-    faults = [
-        f"{name} = {values[name]:g} is asked for, but the table was measured at {value:g}"
-        for name, value in measured.items()
-        if name in values and values[name] != value
-    ]
-    if preset is not None and table.preset is not None and preset != table.preset:
-        faults.append(f"preset {preset} is asked for, but the table is of {table.preset}")
-    scenario = table.head.get("scenario", file.name)
-    if scenario != file.name:
-        faults.append(f"the table is of the scenario {scenario}, not of {file.name}")
-    if faults:
-        raise InputError(f"--against {table.path.name}", faults)
-    return {**measured, **values}, preset or table.preset
+    kept = Kept.of(Path(place))
+    return _ended(kept.plan, kept, time_limit_s, progress)
 
 
-def _cautions(fit: FitFile, file: ScenarioFile, steps: Sequence[AtStep]) -> tuple[str, ...]:
-    sentences = [one for at in steps for one in fit.cautions(at.nominal, file)]
-    return tuple(dict.fromkeys(sentences))
-
-
-def _jobs(
-    file: ScenarioFile,
-    engine: str,
-    mode: str,
-    at: AtStep,
-    fit: FitFile | None,
-    helps: frozenset[str] | None,
-) -> list[Job]:
-    """One job for each repeat; a fitted engine is given its own parameters.
-
-    Assisted, the nominal repeat is run once more without each of the helps that act in it.
-    """
-    if fit is None or mode in CONTACT_LEVELS:
-        settings = Settings(mode, helps=helps, drops=at.drops)
-        jobs = [
-            Job(engine, scene, settings, i, at=at.label) for i, scene in enumerate(at.scenarios)
-        ]
-        if mode == ASSISTED:
-            jobs += ablation.jobs_of(engine, at, settings)
-        return jobs
-    fitted_jobs = []
-    fitted = fit.settings(engine, at.nominal)
-    for i, scene in enumerate(at.scenarios):
-        for name, value in (fit.of_engine(engine, file) or {}).items():
-            scene = file.vary(scene, name, value)
-        fitted_jobs.append(Job(engine, scene, fitted, i, mode, at=at.label))
-    return fitted_jobs
-
-
-def _table(file: ScenarioFile, against: str | Path | None) -> BounceTable | None:
-    if against is None:
-        return None
-    return bounce_table.read(bounce_table.find(str(against)), _measured_units(file.resolve()))
-
-
-def _measured_units(scenario: Scenario) -> dict[str, str]:
-    """Per-event quantities of a scenario's measures and their units."""
-    by_name: dict[str, str] = {}
-    for measure in scenario.measures:
-        units = measures.units_of(measure, scenario)
-        for name in measures.load(measure.function).series:
-            by_name[measure.name_of(name)] = units[name]
-    return by_name
-
-
-def _gather(
-    file: ScenarioFile,
-    steps: Sequence[AtStep],
-    outcomes: Sequence[Outcome],
-    table: BounceTable | None,
-) -> Result:
-    scores: list[Score] = []
-    trajectories: list[Stored] = []
-    sources = []
-    at_label = {at.label: at for at in steps}
-    by_source: dict[tuple[str, str], list[Outcome]] = {}
-    for outcome in outcomes:
-        if not outcome.job.without:
-            by_source.setdefault((outcome.job.source, outcome.job.mode), []).append(outcome)
-    for (source, mode), of_source in by_source.items():
-        at = at_label[of_source[0].job.at]
-        good = [outcome for outcome in of_source if outcome.status == OK]
-        record = run_record.of_source(source, mode, of_source)
-        if at.label:
-            step_s = at.nominal.world.engine_step_s
-            record = replace(record, engine=of_source[0].job.engine, engine_step_s=step_s)
-        if len(good) == len(of_source):
-            repeats = [
-                Repeat(at.scenarios[o.job.repeat], o.trajectory, at.truths[o.job.repeat])
-                for o in of_source
-                if o.trajectory is not None
-            ]
-            try:
-                scores += scores_of(repeats)
-            except SimcompareError as error:  # this source lacks a signal; the others have it
-                record = replace(record, status=FAILED, reason=str(error))
-        trajectories += [
-            Stored(source, mode, o.job.repeat, o.trajectory) for o in good if o.trajectory
-        ]
-        sources.append(record)
-    finest = min(steps, key=lambda at: at.nominal.world.engine_step_s)
-    for at in (finest, *(at for at in steps if at is not finest)):
-        name = TRUTH if at is finest else f"{TRUTH}{at.label}"
-        trajectories += [Stored(name, "", i, true) for i, true in enumerate(at.truths) if true]
-    record_of_run = run_record.of_run(
-        RunRecord, file, finest.scenarios, TRUTH if any(finest.truths) else None, sources, scores,
-        steps=tuple(map(run_record.of_scenario_at, steps)) if len(steps) > 1 else (),
-        without=tuple(row for at in steps for row in ablation.results_of(at, outcomes)),
-        against=_against(file, table, scores, finest.nominal), beyond=finest.nominal.beyond,
+def request_of(
+    scenario: str | Path,
+    *,
+    engine: str | Sequence[str],
+    contact: str | Sequence[str],
+    assist: str | Sequence[str],
+    judge: str | Sequence[str],
+    **more: Any,  # noqa: ANN401
+) -> RunRequest:
+    """What ``run`` is asked, lists and texts with commas alike."""
+    return RunRequest(
+        scenario=str(scenario), engine=engines.listed(engine), contact=levels.names(contact),
+        assist=levels.names(assist), judge=levels.names(judge), **more,
     )  # fmt: skip
-    return Result(record_of_run, tuple(trajectories))
 
 
-def _against(
-    file: ScenarioFile, table: BounceTable | None, scores: Sequence[Score], scene: Scenario
-) -> Measurement | None:
-    if table is None:
-        return None
-    matched = matches(table, scores, _measured_units(scene))
-    return run_record.of_measurement(file, table, matched)
+def _ended(plan: RunPlan, kept: Kept, time_limit_s: float, progress: Progress | None) -> Result:
+    """Simulates what is not kept yet, and stores all of it.
+
+    Raises:
+        KeyboardInterrupt: before anything had finished, or when all of it was stored.
+        OutputError: it cannot be stored; says what is kept.
+    """
+    interrupted = False
+    with contextlib.closing(kept), interruption.held():
+        try:
+            new = run_jobs(
+                kept.missing, time_limit_s=time_limit_s, progress=progress, keep=kept.keep
+            )
+        except Interrupted as stop:
+            if not kept.outcomes:
+                raise KeyboardInterrupt("nothing had finished") from None
+            interruption.answer()
+            new, interrupted = stop.outcomes, True
+        result = kept.stored(gathered(plan, kept.all(new), interrupted=interrupted))
+        if interruption.came() and not interrupted:
+            raise KeyboardInterrupt(
+                f"all of it is stored in {result.folder}" if result.folder else ""
+            )
+    return result

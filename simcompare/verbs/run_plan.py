@@ -1,0 +1,184 @@
+"""What a run is to do, worked out from what it was asked before anything is simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from simcompare import measures
+from simcompare.comparison import ablation
+from simcompare.comparison.repeats import AtStep, at_steps, sample_steps_s
+from simcompare.engine import engines
+from simcompare.errors import InputError
+from simcompare.hardware.recordings import bounce_table
+from simcompare.hardware.recordings.bounce_table import BounceTable
+from simcompare.hardware.sensors.drawn import DrawnSensor
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, Settings
+from simcompare.results import sensing
+from simcompare.running.jobs import Job, Outcome
+from simcompare.scenarios import catalogue
+from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.verbs import levels
+from simcompare.verbs.request import RunRequest
+
+if TYPE_CHECKING:
+    from simcompare.results.fit_file import FitFile
+
+
+@dataclass(frozen=True, eq=False)
+class RunPlan:
+    """All that a run does, and with what.
+
+    Attributes:
+        request: what it was asked.
+        file: the scenario.
+        table: of measured bounces, ``None`` without one.
+        fit: whose parameters engines run with, ``None`` without one.
+        helps: our helps in "assisted"; ``None``: all that an engine takes.
+        judged: levels whose failures count.
+        preset: named set of parameters, also where the table names it.
+        steps: the scenario at each step.
+        devices: sensors that are not ideal.
+        jobs: the simulations.
+        refused: those that the fit knows nothing for.
+    """
+
+    request: RunRequest
+    file: ScenarioFile
+    table: BounceTable | None
+    fit: FitFile | None
+    helps: frozenset[str] | None
+    judged: list[str]
+    preset: str | None
+    steps: Sequence[AtStep]
+    devices: Sequence[DrawnSensor]
+    jobs: Sequence[Job]
+    refused: Sequence[Outcome]
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """Where the fit is used outside of what it was made for."""
+        if self.fit is None:
+            return ()
+        found = [one for at in self.steps for one in self.fit.cautions(at.nominal, self.file)]
+        return tuple(dict.fromkeys(found))
+
+
+def planned(request: RunRequest) -> RunPlan:
+    """What is to be done.
+
+    Raises:
+        SimcompareError: faults of what was asked, or of a file.
+    """
+    engine = request.engine
+    chosen = engines.select(engine)
+    modes, fit = levels.chosen_levels(request.contact)
+    helps = levels.chosen_helps(request.assist, engine)
+    levels.check_used(modes, helps, request.judge)
+    judged = levels.judged_levels(request.judge, fit)
+    file = catalogue.load(request.scenario)
+    table = _table(file, request.against)
+    values = {**({} if fit is None else fit.base(file)), **file.read_settings(request.set or {})}
+    preset = request.preset
+    if table is not None:
+        values, preset = with_conditions(file, table, values, preset)
+    steps_s = sample_steps_s(file, values, preset, request.step)
+    _check_repeats(file, values, preset, request.seeds)
+    usual_s = None if fit is None else fit.usual_step_s
+    sources = len(chosen) * len(modes)
+    steps = at_steps(file, values, preset, steps_s or [usual_s], request.seeds, sources)
+    devices = sensing.asked_devices(steps[0].nominal, request.sensor or {}, request.seed)
+    jobs = [
+        job
+        for name in chosen
+        for mode in modes
+        for at in steps
+        for job in _jobs(file, name, mode, at, fit, helps)
+    ]
+    refused = [] if fit is None else levels.not_in_fit(jobs, fit, file)
+    unfitted = {id(outcome.job) for outcome in refused}
+    jobs = [job for job in jobs if id(job) not in unfitted]
+    return RunPlan(
+        request, file, table, fit, helps, judged, preset, steps, devices, jobs, refused
+    )  # fmt: skip
+
+
+def _check_repeats(
+    file: ScenarioFile, values: Mapping[str, float], preset: str | None, seeds: int | None
+) -> None:
+    if seeds is not None and seeds < 1:
+        raise InputError("--seeds", [f"{seeds} is not a number of repeats; expected 1 or more"])
+    if seeds is not None and file.resolve(values, preset=preset).dither is None:
+        raise InputError("--seeds", [f"{file.name} has nothing that is dithered between repeats"])
+
+
+def with_conditions(
+    file: ScenarioFile, table: BounceTable, values: Mapping[str, float], preset: str | None
+) -> tuple[dict[str, float], str | None]:
+    """Parameters and preset under which a table was measured, with what the user adds.
+
+    Raises:
+        InputError: the user, or the table, asks for another scenario, preset or condition.
+    """
+    measured = file.read_settings(table.parameters, str(table.path))
+    faults = [
+        f"{name} = {values[name]:g} is asked for, but the table was measured at {value:g}"
+        for name, value in measured.items()
+        if name in values and values[name] != value
+    ]
+    if preset is not None and table.preset is not None and preset != table.preset:
+        faults.append(f"preset {preset} is asked for, but the table is of {table.preset}")
+    scenario = table.head.get("scenario", file.name)
+    if scenario != file.name:
+        faults.append(f"the table is of the scenario {scenario}, not of {file.name}")
+    if faults:
+        raise InputError(f"--against {table.path.name}", faults)
+    return {**measured, **values}, preset or table.preset
+
+
+def _jobs(
+    file: ScenarioFile,
+    engine: str,
+    mode: str,
+    at: AtStep,
+    fit: FitFile | None,
+    helps: frozenset[str] | None,
+) -> list[Job]:
+    """One job for each repeat; a fitted engine is given its own parameters.
+
+    Assisted, the nominal repeat is run once more without each of the helps that act in it.
+    """
+    if fit is None or mode in CONTACT_LEVELS:
+        settings = Settings(mode, helps=helps, drops=at.drops)
+        jobs = [
+            Job(engine, scene, settings, i, at=at.label) for i, scene in enumerate(at.scenarios)
+        ]
+        if mode == ASSISTED:
+            jobs += ablation.jobs_of(engine, at, settings)
+        return jobs
+    fitted_jobs = []
+    fitted = fit.settings(engine, at.nominal)
+    for i, scene in enumerate(at.scenarios):
+        for name, value in (fit.of_engine(engine, file) or {}).items():
+            scene = file.vary(scene, name, value)
+        fitted_jobs.append(Job(engine, scene, fitted, i, mode, at=at.label))
+    return fitted_jobs
+
+
+def _table(file: ScenarioFile, against: str | Path | None) -> BounceTable | None:
+    if against is None:
+        return None
+    return bounce_table.read(bounce_table.find(str(against)), measured_units(file.resolve()))
+
+
+def measured_units(scenario: Scenario) -> dict[str, str]:
+    """Per-event quantities of a scenario's measures and their units."""
+    by_name: dict[str, str] = {}
+    for measure in scenario.measures:
+        units = measures.units_of(measure, scenario)
+        for name in measures.load(measure.function).series:
+            by_name[measure.name_of(name)] = units[name]
+    return by_name
