@@ -6,7 +6,6 @@ import errno
 import itertools
 import json
 import os
-import stat
 import tempfile
 import traceback
 from collections.abc import Iterator
@@ -18,7 +17,7 @@ from simcompare import errors
 from simcompare.errors import InputError, SimcompareError
 from simcompare.hardware import carried, confined, importing
 from simcompare.hardware.mapping import NOTHING, Mapping
-from simcompare.model import plain
+from simcompare.model import plain, user_file
 from simcompare.model.recording import Recording
 
 #: a user who knows better gives more memory [MB] or time [s] by these variables
@@ -32,10 +31,6 @@ _DISK_TIMES = 4
 #: files of a folder whose sizes are asked for
 _MOST_FILES = 10_000
 _MB = 1 << 20
-_SPECIAL = (
-    (stat.S_ISFIFO, "a named pipe"), (stat.S_ISSOCK, "a socket"),
-    (stat.S_ISCHR, "a device"), (stat.S_ISBLK, "a device"),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -87,7 +82,7 @@ def read(
 
 def _asked(request: _Request, folder: Path) -> plain.Plain:
     path = Path(request.path)
-    _check_it_is_a_file(path)
+    user_file.check_is_stored(path)
     size = _size(path)
     limits = _limits(size)
     request_ = plain.text(request)
@@ -104,18 +99,6 @@ def _asked(request: _Request, folder: Path) -> plain.Plain:
     if "error" in content:
         raise _restored(content)
     return content
-
-
-def _check_it_is_a_file(path: Path) -> None:
-    try:
-        mode = path.stat().st_mode
-    except (OSError, ValueError):
-        return  # the reader says what is wrong
-    for is_so, name in _SPECIAL:
-        if is_so(mode):
-            raise InputError(
-                str(path), [f"is {name}; expected a file: write what comes from it into one"]
-            )
 
 
 def _size(path: Path) -> int:

@@ -20,6 +20,8 @@ from pathlib import Path
 INTERRUPTED = 130
 #: folder of our own code
 _HERE = Path(__file__).parent
+#: faults of a file that are told; whoever made so many made most of them the same way
+_TOLD = 50
 #: how names of files end, and no name of ours
 _ENDING = re.compile(r"\.[A-Za-z]\w{0,7}$")
 
@@ -72,7 +74,9 @@ class InputError(SimcompareError):
         if len(self.faults) == 1:
             message = f"{where}: {self.faults[0]}"
         else:
-            lines = "".join(f"\n  - {fault}" for fault in self.faults)
+            lines = "".join(f"\n  - {fault}" for fault in self.faults[:_TOLD])
+            more = len(self.faults) - _TOLD
+            lines += f"\n  - … and {more} more" if more > 0 else ""
             message = f"{where}: {len(self.faults)} faults{lines}"
         super().__init__(message)
 

@@ -72,10 +72,20 @@ def test_attributes_of_numbers_are_refused(text):
         evaluate(text, NAMES)
 
 
-@pytest.mark.parametrize("text", ["${9**9**9}", "${2**(2**22)}", "${1 << 1000000}"])
-def test_powers_that_would_take_for_ever_are_refused(text):
+@pytest.mark.parametrize(
+    "text",
+    ["${9**9**9}", "${2**(2**22)}", "${1 << 1000000}", "${0 * 999999**3999999}",
+     "${" + "*".join(["9**300"] * 300) + "}", "${'a' * 99999}", "${'%99999999d' % 1}"],
+)  # fmt: skip
+def test_what_would_grow_for_ever_is_refused(text):
     with pytest.raises(ExpressionError):
         evaluate(text, NAMES)
+
+
+def test_a_long_expression_is_refused_and_not_repeated():
+    with pytest.raises(ExpressionError, match=r"1\+… has 20004 characters; at most") as error:
+        evaluate("${1" + "+1" * 10_000 + "}", NAMES)
+    assert len(str(error.value)) < 200
 
 
 @pytest.mark.parametrize(

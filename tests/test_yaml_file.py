@@ -1,5 +1,8 @@
 """YAML of users: no file hangs the program, and faults are told in plain words."""
 
+import os
+from pathlib import Path
+
 import pytest
 
 from simcompare.errors import InputError
@@ -38,6 +41,22 @@ def test_a_long_file_without_aliases_is_read(write):
     rows = "".join(f"- [{i}, {i + 1}]\n" for i in range(3000))
     tree, _, _ = yaml_file.read_yaml(write("long.yaml", rows))
     assert len(tree) == 3000
+
+
+def test_a_file_that_is_far_too_large_is_refused_unread(write, monkeypatch):
+    with pytest.raises(InputError, match="has more than 1 MB, which a YAML file never needs"):
+        yaml_file.read_yaml(write("large.yaml", "#" * 1_000_001))
+    monkeypatch.setattr(yaml_file, "_MAX_PARTS", 100)
+    with pytest.raises(InputError, match=r"has 201 parts, and at most 100 are read"):
+        yaml_file.read_yaml(write("many.yaml", "".join(f"k{i}: 1\n" for i in range(100))))
+
+
+def test_what_is_no_file_is_refused_unread(tmp_path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    with pytest.raises(InputError, match="is a named pipe; expected a file"):
+        yaml_file.read_yaml(tmp_path / "pipe.yaml")
+    with pytest.raises(InputError, match="is a device"):
+        yaml_file.read_yaml(Path("/dev/zero"))
 
 
 @pytest.mark.parametrize(

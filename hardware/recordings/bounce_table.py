@@ -28,7 +28,10 @@ from simcompare.errors import InputError, unknown_or_missing
 from simcompare.hardware.logs.text.sniff import split
 from simcompare.hardware.recordings import bounce_headings, published
 from simcompare.hardware.recordings.bounce_headings import HEIGHT, Column
+from simcompare.model import user_file
 
+#: size of such a table [MB]
+_MAX_MB = 10.0
 #: head lines that describe the table rather than set a parameter
 HEAD_KEYS = ("title", "citation", "url", "note", "preset", "scenario", "seen")
 #: finest relative uncertainty that is believed; float64 itself is not much finer
@@ -108,10 +111,10 @@ def read(path: Path, known: Mapping[str, str]) -> BounceTable:
     Raises:
         InputError: every fault of the file, each with its line.
     """
+    raw = user_file.content(path, _MAX_MB, "a table of bounces")
     try:
-        raw = path.read_bytes()
         text = decoded(raw)
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise InputError(
             str(path), [f"cannot be read as UTF-8 text ({error}); save it as CSV UTF-8"]
         ) from None

@@ -24,9 +24,12 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import sheet_units
 from simcompare.hardware.sensors.calibrated import Readings
+from simcompare.model import user_file
 from simcompare.model.trajectory import Array
 from simcompare.statistics.distributions import Distribution, fixed, normal
 
+#: of such a table, and of its first line in characters
+_MAX_MB, _LONGEST = 10.0, 10_000
 _HEAD = re.compile(r"^\s*(?P<name>[^\s(\[]+)\s*[(\[]?(?P<unit>[^)\]]*)[)\]]?\s*$")
 _RATE = re.compile(r"^\s*(?P<sign>[+-])(?P<axis>[xyz])\s+(?P<rate>[\d.]+)\s*$", re.I)
 #: size of specific force at rest that can be none else [m/s²]
@@ -55,9 +58,10 @@ def is_table(path: Path) -> bool:
     """Whether a file is such a table, by its first line."""
     if path.suffix.lower() not in (".csv", ".txt"):
         return False
+    user_file.check_is_stored(path)
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as file:
-            first = _HEAD.match(re.split("[,;]", file.readline())[0])
+            first = _HEAD.match(re.split("[,;]", file.readline(_LONGEST))[0])
     except OSError:
         return False
     return first is not None and first["name"].lower() in ("pose", "known")
@@ -83,7 +87,9 @@ def read(path: Path) -> Table:
 
 def _rows(path: Path) -> list[list[str]]:
     """Cells of every row; with semicolons between them a comma is a decimal point."""
-    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    text = user_file.content(path, _MAX_MB, "a table of mean readings").decode(
+        "utf-8-sig", errors="replace"
+    )
     mark = ";" if ";" in text.partition("\n")[0] else ","
     rows = [
         row for row in csv.reader(text.splitlines(), delimiter=mark) if any(map(str.strip, row))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import math
+import operator
 import re
 import warnings
 from collections.abc import Mapping
@@ -25,6 +26,27 @@ FUNCTIONS = {
     "min": min,
     "max": max,
 }
+_OPERATORS = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    # of floats, as whole numbers may grow without end
+    ast.Mult: lambda a, b: float(a) * float(b),
+    ast.Pow: lambda a, b: float(a) ** float(b),
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: lambda a, b: float(a) % float(b),
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+    ast.Not: operator.not_,
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+}
+#: characters of an expression that are evaluated, and those that a message repeats
+_MOST, _SHOWN = 10_000, 100
 CONSTANTS = {"pi": math.pi}
 _EXPRESSION = re.compile(r"^\s*\$\{(.*)\}\s*$", re.DOTALL)
 
@@ -40,7 +62,7 @@ def is_expression(value: object) -> bool:
 
 @functools.cache
 def _evaluator() -> Any:  # noqa: ANN401
-    evaluator = simpleeval.SimpleEval(functions=FUNCTIONS)
+    evaluator = simpleeval.SimpleEval(operators=_OPERATORS, functions=FUNCTIONS)
     # numbers have methods, and none of them belongs here; nor does an assignment
     for node in (ast.Attribute, ast.Assign, ast.AugAssign):
         del evaluator.nodes[node]
@@ -70,6 +92,9 @@ def evaluate(text: str, names: Mapping[str, float]) -> float:
     match = _EXPRESSION.match(text)
     if match is None:
         raise ExpressionError(f"{text!r} is not of the form ${{…}}")
+    shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
+    if len(text) > _MOST:
+        raise ExpressionError(f"{shown} has {len(text)} characters; at most {_MOST} are evaluated")
     evaluator = _evaluator()
     evaluator.names = {**CONSTANTS, **names}
     try:
@@ -81,8 +106,8 @@ def evaluate(text: str, names: Mapping[str, float]) -> float:
                 return number
     # simpleeval raises many kinds; all mean the same here
     except Exception as error:  # noqa: BLE001
-        raise ExpressionError(f"{text} cannot be evaluated: {error}") from None
-    raise ExpressionError(f"{text} gives {value!r}, not a finite number")
+        raise ExpressionError(f"{shown} cannot be evaluated: {error!s:.300}") from None
+    raise ExpressionError(f"{shown} gives {value!r:.60}, not a finite number")
 
 
 def resolve(node: Any, names: Mapping[str, float], path: str, faults: dict[str, str]) -> Any:  # noqa: ANN401

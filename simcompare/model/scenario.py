@@ -323,7 +323,7 @@ class Scenario(Frozen):
         parameters: the values that the file's ``${…}`` expressions were given, SI.
     """
 
-    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)  # it names a folder
     title: str
     question: str = Field(description="what the reader of a report wants to know")
     parameters: Mapping[str, float] = Field(default_factory=dict)

@@ -12,11 +12,13 @@ from typing import Annotated, Any, Union, get_args, get_origin
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from simcompare.errors import InputError, NoSuchFile
+from simcompare.errors import InputError
+from simcompare.model import user_file
 from simcompare.model.plain import Plain
 
-#: parts that aliases may stand for, beside those that are written out
-_MAX_ALIASED = 100_000
+#: size of a file, its parts, and those that aliases may stand for beside them: far more than a
+#: scenario or a mapping needs, and read in seconds
+_MAX_MB, _MAX_PARTS, _MAX_ALIASED = 1.0, 50_000, 100_000
 
 
 def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
@@ -25,14 +27,9 @@ def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
     Raises:
         InputError: unreadable, not UTF-8, or not YAML; names line and column.
     """
+    raw = user_file.content(path, _MAX_MB, "a YAML file")
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise NoSuchFile(path) from None
-    except IsADirectoryError:
-        raise InputError(str(path), ["is a folder; expected a YAML file"]) from None
-    except OSError as error:
-        raise InputError(str(path), [f"cannot be read: {error.strerror or error}"]) from None
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(str(path), ["cannot be read: it is no text in UTF-8"]) from None
     lines: dict[str, int] = {}
@@ -72,6 +69,12 @@ def _content(path: Path, text: str, lines: dict[str, int], faults: dict[str, str
                 str(path),
                 [f"its aliases (*name) stand for more than {_MAX_ALIASED} parts; use fewer"],
             )
+        if len(sizes) > _MAX_PARTS:
+            raise InputError(
+                str(path),
+                [f"has {len(sizes)} parts, and at most {_MAX_PARTS} are read; put measured values"
+                 " into a table of their own"],
+            )  # fmt: skip
         _collect_lines(node, "", lines, faults)
         return loader.construct_document(node)
     finally:
@@ -128,7 +131,7 @@ def faults_of(error: ValidationError, model: type[BaseModel] | None = None) -> d
         if model is not None and item["type"] == "extra_forbidden":
             faults[place] = _unknown_key(model, item["loc"])
             continue
-        shown = "" if isinstance(value, dict | list) else f", found {value!r}"
+        shown = "" if isinstance(value, dict | list) else f", found {value!r:.200}"
         faults[place] = f"{message}{shown}"
     return faults
 
@@ -183,6 +186,7 @@ _MESSAGES = {
     "bool_parsing": "expected true or false",
     "string_type": "expected a text",
     "string_too_short": "expected a text of at least {min_length} characters",
+    "string_too_long": "expected a text of at most {max_length} characters",
     "string_pattern_mismatch": "is not written as it must be (pattern {pattern})",
     "greater_than": "expected a number greater than {gt:g}",
     "greater_than_equal": "expected a number of at least {ge:g}",

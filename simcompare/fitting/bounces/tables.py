@@ -21,6 +21,7 @@ from simcompare.hardware.logs.text.sniff import split
 from simcompare.hardware.recordings import bounce_headings, bounce_table
 from simcompare.hardware.recordings.bounce_headings import HEIGHT, INSTANT, INTERVAL
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
+from simcompare.model import user_file
 from simcompare.model.trajectory import Array
 
 #: quantities of a table, and their units
@@ -61,6 +62,7 @@ def check_headings(path: Path) -> None:
 
 def _lines(path: Path) -> list[str]:
     """The first lines of a file, remarks left out."""
+    user_file.check_is_stored(path)
     try:
         with path.open("rb") as file:
             text = bounce_table.decoded(file.read(4096), errors="replace")
