@@ -6,22 +6,15 @@ looking at folders only; a file is parsed when it is asked for.
 
 from __future__ import annotations
 
-import importlib.util
-import inspect
 import os
-import sys
-from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare.errors import InputError, unknown_or_missing
 
 if TYPE_CHECKING:
-    from simcompare.model.signals import Signal
-    from simcompare.model.trajectory import Array
+    from simcompare.scenarios.reference_file import Reference
     from simcompare.scenarios.scenario_file import ScenarioFile
-
-    Reference = Callable[[Mapping[str, float], Array, Mapping[str, Signal]], dict[str, Array]]
 
 #: environment variable with folders of more scenarios, separated as in PATH
 FOLDERS_VARIABLE = "SIMCOMPARE_SCENARIOS"
@@ -98,51 +91,51 @@ def find(name: str) -> Path:
     raise unknown_or_missing("scenario", name, known)
 
 
-def load(name: str) -> ScenarioFile:
-    """Reads the scenario of that name, folder or file."""
+def load(name: str, *, trust: bool = False) -> ScenarioFile:
+    """Reads the scenario of that name, folder or file.
+
+    Args:
+        name: of it.
+        trust: say yes to the code beside it, for this time and later.
+    """
+    from simcompare.scenarios import trust as trusted
     from simcompare.scenarios.scenario_file import read
 
-    return read(find(name))
+    path = find(name)
+    if trust and has_reference(path):
+        trusted.allow(_reference_file(path))
+    return read(path)
+
+
+def has_reference(path: Path) -> bool:
+    """Whether there is a module with a reference beside a scenario file; nothing of it is run."""
+    return _reference_file(path).is_file()
 
 
 def reference_of(path: Path) -> Reference | None:
     """The function ``reference`` beside a scenario file, ``None`` where there is no such module.
 
-    It is called with parameters, times and the signals of the inputs; one that takes no inputs is
-    written with the first two alone.
+    It is called with parameters, times and the signals of the inputs. Code that is not ours runs
+    in a process of its own, when the function is called.
 
     Raises:
         InputError: the module cannot be imported or has no such function.
+        UntrustedCode: it comes from elsewhere, and nobody has said yes to it.
     """
-    source = path.with_name("reference.py")
-    if not source.is_file():
+    from simcompare.scenarios import trust
+
+    if not has_reference(path):
         return None
-    name = f"simcompare_reference_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, source)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    # dataclasses look their module up by name while it is being executed
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        raise InputError(
-            str(source), [f"cannot be imported: {type(error).__name__}: {error}"]
-        ) from error
-    if not callable(getattr(module, "reference", None)):
-        raise InputError(str(source), ["has no function reference(parameters, time_s)"])
-    return _with_inputs(module.reference)
+    source = _reference_file(path)
+    if trust.is_ours(source):
+        from simcompare.scenarios.reference_file import loaded
+
+        return loaded(source)
+    digest = trust.require(source)
+    from simcompare.scenarios import outside
+
+    return outside.reference(source.resolve(), digest)
 
 
-def _with_inputs(function: Callable[..., dict[str, Array]]) -> Reference:
-    """A reference that is given the inputs, whether or not it wants them."""
-    if len(inspect.signature(function).parameters) > 2:
-        return function
-
-    def reference(
-        parameters: Mapping[str, float], time_s: Array, inputs: Mapping[str, Signal]
-    ) -> dict[str, Array]:
-        return function(parameters, time_s)
-
-    return reference
+def _reference_file(path: Path) -> Path:
+    return path.with_name("reference.py")

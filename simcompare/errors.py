@@ -81,6 +81,25 @@ class InputError(SimcompareError):
         super().__init__(message)
 
 
+class UntrustedCode(InputError):
+    """Code from elsewhere would have to run, and the user has not said yes to it.
+
+    Args:
+        source: the file.
+        digest: of all code in its folder.
+    """
+
+    def __init__(self, source: Path, digest: str) -> None:
+        self.source, self.digest = source, digest
+        super().__init__(
+            str(source),
+            [
+                f"is code from elsewhere (SHA-256 {digest[:12]}), and was not run;"
+                " read it, and if you trust all Python files of its folder, add --trust once"
+            ],
+        )
+
+
 class UnknownName(SimcompareError):
     """A scenario, engine, parameter or preset of that name does not exist.
 

@@ -13,6 +13,7 @@ import hypothesis
 import pytest
 
 from simcompare.hardware import confined
+from simcompare.scenarios import trust
 from tests.present import need, skipping_without_its_engine
 
 # no test depends on the clock, also not on a busy machine
@@ -140,6 +141,7 @@ def fall(tmp_path: Path) -> Path:
     folder.mkdir(parents=True)
     (folder / "fall.yaml").write_text(FALL_YAML, encoding="utf-8")
     (folder / "reference.py").write_text(FALL_REFERENCE, encoding="utf-8")
+    trust.allow(folder / "reference.py")
     return folder
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError, SimcompareError, UnknownName
-from simcompare.scenarios import catalogue
+from simcompare.scenarios import catalogue, trust
 
 
 def test_the_ball_is_there_with_one_line():
@@ -93,6 +93,14 @@ def test_no_reference_is_no_fault(fall):
     assert catalogue.reference_of(fall / "fall.yaml") is None
 
 
+def calculated(fall):
+    """What a reference tells at two times."""
+    trust.allow(fall / "reference.py")
+    reference = catalogue.reference_of(fall / "fall.yaml")
+    assert reference is not None
+    return reference({}, np.array([0.0, 1.0]), {})
+
+
 @pytest.mark.parametrize(
     ("code", "expected"),
     [
@@ -107,7 +115,7 @@ def test_no_reference_is_no_fault(fall):
 def test_a_broken_reference_is_one_clear_error(fall, code, expected):
     (fall / "reference.py").write_text(code)
     with pytest.raises(InputError, match=expected) as error:
-        catalogue.reference_of(fall / "fall.yaml")
+        calculated(fall)
     assert error.value.where.endswith("reference.py")
 
 
@@ -116,4 +124,4 @@ def test_a_reference_may_hold_dataclasses(fall):
         "from __future__ import annotations\nfrom dataclasses import dataclass\n"
         "@dataclass\nclass A:\n    x: int\ndef reference(p, t):\n    return {}\n"
     )
-    assert catalogue.reference_of(fall / "fall.yaml") is not None
+    assert calculated(fall) == {}

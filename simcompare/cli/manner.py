@@ -29,6 +29,11 @@ def is_verbose() -> bool:
     return "verbose" in _wanted
 
 
+def is_trusting() -> bool:
+    """Whether code beside a scenario may run."""
+    return "trust" in _wanted
+
+
 def out() -> TextIO:
     """Where text goes that was asked for, such as JSON, also where all else is quiet."""
     return _stdout[0] if _stdout else sys.stdout
@@ -57,7 +62,8 @@ class Group(TyperGroup):
         super().__init__(**settings)
         own = [one for one in self.commands.values() if not isinstance(one, TyperGroup)]
         for command in (self, *own):
-            command.params.extend(_options())
+            takes_scenario = any(param.name == "scenario" for param in command.params)
+            command.params.extend(_options() + (_of_scenarios() if takes_scenario else []))
 
 
 def _take(param: typer.CallbackParam, value: bool) -> None:
@@ -85,6 +91,18 @@ def _options() -> list[Any]:
         quiet: bool = _flag("--quiet", "-q", help="Print nothing but errors."),
         verbose: bool = _flag("--verbose", "-v", help="Print all that is known."),
         debug: bool = _flag("--debug", help="Print where errors come from, and engines' output."),
+    ) -> None: ...
+
+    return typer.main.get_command(one).params
+
+
+def _of_scenarios() -> list[Any]:
+    """Those of verbs that take a scenario."""
+    one = typer.Typer(add_completion=False)
+
+    @one.command()
+    def _(
+        trust: bool = _flag("--trust", help="Run Python files beside the scenario, now and later."),
     ) -> None: ...
 
     return typer.main.get_command(one).params

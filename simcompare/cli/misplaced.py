@@ -13,8 +13,8 @@ import typer
 from typer.core import TyperCommand
 
 from simcompare import units
-from simcompare.cli import complete
-from simcompare.errors import InputError, SimcompareError, UnknownName
+from simcompare.cli import complete, trusting
+from simcompare.errors import InputError, SimcompareError, UnknownName, UntrustedCode
 from simcompare.scenarios import catalogue
 
 _TIMES = {2: "twice"}
@@ -41,6 +41,15 @@ class Verb(TyperCommand):
         if ctx.args and not takes_more and not ctx.resilient_parsing:
             raise too_many(str(self.name), given, ctx.args, self.params)
         return list(ctx.args)
+
+    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
+        """Runs it, and again where code from elsewhere stands in the way and may then run."""
+        try:
+            return super().invoke(ctx)
+        except UntrustedCode as error:
+            if not trusting.agreed(error):
+                raise
+        return super().invoke(ctx)
 
     def _missing(self, error: typer.BadParameter) -> InputError | None:
         """What is said where something that must be given is not."""

@@ -20,6 +20,7 @@ from simcompare.model.scenario import MAX_SAMPLES, Scenario
 from simcompare.model.settings import DropPlan
 from simcompare.model.trajectory import AT, TRUTH, Trajectory
 from simcompare.scenarios import catalogue
+from simcompare.scenarios.reference_file import Reference
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: samples below which a run shows nothing
@@ -244,7 +245,7 @@ def truths_of(path: Path, scenarios: Sequence[Scenario]) -> list[Trajectory | No
         raise InputError(where, [message]) from error
 
 
-def _truth(reference: catalogue.Reference, scenario: Scenario) -> Trajectory:
+def _truth(reference: Reference, scenario: Scenario) -> Trajectory:
     times = sample_times(scenario)
     signals = dict(reference(scenario.parameters, times, scenario.inputs))
     complete(scenario, times, signals, input_values(scenario, times))

@@ -17,6 +17,7 @@ from simcompare.inference.segments import DURATION, Segment
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.scenarios import catalogue
+from simcompare.scenarios.reference_file import Reference
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 
@@ -30,7 +31,7 @@ class Model:
     """
 
     file: ScenarioFile
-    reference: catalogue.Reference | None
+    reference: Reference | None
 
     def scenario(
         self,

@@ -99,6 +99,11 @@ class Inquiry(Generic[Answer]):
     ask: Ask[Answer]
     about: str = ""
 
+    @property
+    def most_bytes(self) -> int:
+        """Bytes of arrays in the answer: only motions have any."""
+        return 0
+
     def execute(self) -> Reply[Answer]:
         """Asks in this process."""
         version: str | None = None

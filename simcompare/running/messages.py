@@ -6,13 +6,13 @@ What the runner knows itself, such as the job, is not sent: a process cannot ans
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from simcompare.model.audit import AuditRow
 from simcompare.model.plain import Plain, of_plain, plain
 from simcompare.model.scenario import Scenario
-from simcompare.model.trajectory import Trajectory
+from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.model.tuning import TuningRow
 from simcompare.running.jobs import OK, Facts, Inquiry, Job, Outcome, Reply, check_numbers
 from simcompare.running.wire import Arrays, BadFrame
@@ -36,16 +36,21 @@ class _Motion:
     tuning: tuple[TuningRow, ...]
     lacks: Mapping[str, str]
 
-    def trajectory(self, job: Job, arrays: Arrays) -> Trajectory:
+    def trajectory(self, source: str, contact: str, arrays: Arrays) -> Trajectory:
         time_s, *values = arrays
-        made = Trajectory(
-            source=job.source, contact=job.mode, time_s=time_s,
+        return Trajectory(
+            source=source, contact=contact, time_s=time_s,
             signals=dict(zip(self.signals, values, strict=True)), version=self.version,
             wall_s=self.wall_s, audit=self.audit, notes=self.notes, helps=self.helps,
             velocity_offset_s=self.velocity_offset_s, tuning=self.tuning, lacks=self.lacks,
         )  # fmt: skip
-        check_numbers(job, made)
-        return made
+
+
+def _motion(found: Trajectory) -> _Motion:
+    return _Motion(
+        (*found.signals,), found.version, found.wall_s, found.audit, found.notes, found.helps,
+        found.velocity_offset_s, found.tuning, found.lacks,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -68,28 +73,21 @@ def sent(number: int, ended: Outcome | Reply[Any]) -> tuple[Plain, Arrays]:
     Raises:
         ValueError: the result holds what cannot be sent; so do TypeError and other errors.
     """
-    if isinstance(ended, Reply):
-        value = None if ended.value is None else plain(ended.value)
-        head = _Head(number, _status(ended), ended.reason, version=ended.version, value=value)
-        return plain(head), ()
-    found, arrays = ended.trajectory, []
-    motion = None
-    if found is not None:
-        motion = _Motion(
-            (*found.signals,), found.version, found.wall_s, found.audit, found.notes, found.helps,
-            found.velocity_offset_s, found.tuning, found.lacks,
-        )  # fmt: skip
-        arrays = [found.time_s, *found.signals.values()]
+    status: Any = ended.status
+    answer = ended.value if isinstance(ended, Reply) else ended.trajectory
+    found = answer if isinstance(answer, Trajectory) else None
+    arrays = [] if found is None else [found.time_s, *found.signals.values()]
     head = _Head(
-        number, _status(ended), ended.reason, ended.facts, ended.longest_step_s, motion
+        number, status, ended.reason, motion=None if found is None else _motion(found)
     )  # fmt: skip
+    if isinstance(ended, Outcome):
+        head = replace(head, facts=ended.facts, longest_step_s=ended.longest_step_s)
+    else:
+        value = None if found is answer else plain(answer)
+        head = replace(head, version=ended.version, value=value)
     told = plain(head)
     of_plain(_Head, told)  # what the runner would refuse is told by this job alone
     return told, arrays
-
-
-def _status(ended: Outcome | Reply[Any]) -> Any:  # noqa: ANN401
-    return ended.status
 
 
 def received(
@@ -112,19 +110,29 @@ def received(
     if (told.status == OK) == (told.reason is not None):
         raise BadFrame(f"an answer that is {told.status!r}, with the reason {told.reason!r}")
     if isinstance(job, Inquiry):
-        value = of_plain(job.ask.kind, told.value) if told.status == OK else None
+        value = _answer(job, told, arrays) if told.status == OK else None
         return Reply(job, told.status, told.reason, value, told.version)
     if (told.status == OK) != (told.motion is not None):
         raise BadFrame(f"an answer that is {told.status!r}, and no trajectory to it")
-    motion = None if told.motion is None else told.motion.trajectory(job, arrays)
+    made = None if told.motion is None else told.motion.trajectory(job.source, job.mode, arrays)
+    if made is not None:
+        check_numbers(job, made)
     return Outcome(
-        job, told.status, told.reason, motion, facts=told.facts, longest_step_s=told.longest_step_s
+        job, told.status, told.reason, made, facts=told.facts, longest_step_s=told.longest_step_s
     )  # fmt: skip
+
+
+def _answer(job: Inquiry[Any], told: _Head, arrays: Arrays) -> Any:  # noqa: ANN401
+    if job.ask.kind is not Trajectory:
+        return of_plain(job.ask.kind, told.value)
+    if told.motion is None:
+        raise BadFrame("an answer without a trajectory")
+    return told.motion.trajectory(TRUTH, "", arrays)
 
 
 def most_bytes(job: Job | Inquiry[Any]) -> int:
     """Bytes of arrays that the answer may have."""
-    return _ANY_BYTES + (_of_samples(job.scenario) if isinstance(job, Job) else 0)
+    return _ANY_BYTES + (_of_samples(job.scenario) if isinstance(job, Job) else job.most_bytes)
 
 
 def _of_samples(scenario: Scenario) -> int:

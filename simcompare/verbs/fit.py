@@ -40,6 +40,7 @@ def fit(
     step: str | float | None = None,
     assist: str | Sequence[str] | None = None,
     out: str | Path | None = None,
+    trust: bool = False,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Result:
@@ -72,6 +73,8 @@ def fit(
             nothing is said, "all", or names (``simcompare.engine.helps``); by waveform always
             "all", by tosses too if nothing is said.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
+        trust: run the Python files beside the scenario, where it comes from elsewhere; a yes is
+            remembered until they change.
         time_limit_s: longest time for one simulation [s].
         progress: called as jobs end.
 
@@ -90,7 +93,7 @@ def fit(
         set=set, preset=preset, mapping=mapping, step=step, assist=assist,
     )  # fmt: skip
     engines.select(engine)  # a wrong name is told before a folder is made
-    file = catalogue.load(scenario)
+    file = catalogue.load(scenario, trust=trust)
     if not recordings:
         raise InputError("--recording", ["no recording is given; give at least one"])
     if file.fit is None:

@@ -40,6 +40,7 @@ def run(
     sensor: Mapping[str, str | Path] | None = None,
     seed: int = 0,
     out: str | Path | None = None,
+    trust: bool = False,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Result:
@@ -70,6 +71,8 @@ def run(
             is in ``readings``.
         seed: of all that is drawn for sensors.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
+        trust: run the Python files beside the scenario, where it comes from elsewhere; a yes is
+            remembered until they change.
         time_limit_s: longest time for one simulation [s].
         progress: called as ``progress(engine, done, total)``.
 
@@ -83,7 +86,7 @@ def run(
         scenario, engine=engine, contact=contact, assist=assist, judge=judge, set=set,
         preset=preset, step=step, seeds=seeds, against=against, sensor=sensor, seed=seed,
     )  # fmt: skip
-    plan = planned(request)
+    plan = planned(request, trust=trust)
     if out is not None:
         store.check_writable(Path(out))
     return _ended(plan, Kept(plan, out), time_limit_s, progress)

@@ -67,8 +67,12 @@ class RunPlan:
         return tuple(dict.fromkeys(found))
 
 
-def planned(request: RunRequest) -> RunPlan:
+def planned(request: RunRequest, *, trust: bool = False) -> RunPlan:
     """What is to be done.
+
+    Args:
+        request: what was asked.
+        trust: run the Python files beside the scenario, where it comes from elsewhere.
 
     Raises:
         SimcompareError: faults of what was asked, or of a file.
@@ -79,7 +83,7 @@ def planned(request: RunRequest) -> RunPlan:
     helps = levels.chosen_helps(request.assist, engine)
     levels.check_used(modes, helps, request.judge)
     judged = levels.judged_levels(request.judge, fit)
-    file = catalogue.load(request.scenario)
+    file = catalogue.load(request.scenario, trust=trust)
     table = _table(file, request.against)
     values = {**({} if fit is None else fit.base(file)), **file.read_settings(request.set or {})}
     preset = request.preset

@@ -149,7 +149,7 @@ def show(scenario: str | Path) -> ScenarioFacts:
         engines={name: _lacking(name, features.required) for name in engines.names()},
         variants={name: [*engines.quick_variants(name)] for name in engines.names()},
         truth="closed form or reference in reference.py"
-        if catalogue.reference_of(file.path)
+        if catalogue.has_reference(file.path)
         else "none: engines are compared with each other only",
         tolerances=scene.tolerances,
         units=_measured_units(scene),

@@ -75,7 +75,7 @@ def _closed_form(
     form: ClosedForm, asked: Asked, steps: Steps, progress: Progress | None
 ) -> list[Way]:
     """The way by the closed form, where there is one that holds."""
-    if form.scenario.beyond or catalogue.reference_of(form.file.path) is None:
+    if form.scenario.beyond or not catalogue.has_reference(form.file.path):
         return []
     told = _told(progress, CLOSED_FORM)
     return [Way(CLOSED_FORM, found=closed_form.propagated(form, asked, steps, told))]

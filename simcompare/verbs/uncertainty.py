@@ -14,6 +14,7 @@ from simcompare.propagation.inputs import NO_FILE, read_file
 from simcompare.propagation.propagated import Asked
 from simcompare.results import result_file, store
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit
+from simcompare.scenarios import catalogue
 from simcompare.statistics.monte_carlo import MAX_TRIALS, fault_of
 from simcompare.verbs.notebook_line import with_line
 from simcompare.verbs.request import UncertaintyRequest
@@ -45,6 +46,7 @@ def uncertainty(
     probability: float = 0.95,
     seed: int = 1,
     out: str | Path | None = None,
+    trust: bool = False,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Uncertain:
@@ -78,6 +80,8 @@ def uncertainty(
         probability: that the value lies in an interval.
         seed: of the draws.
         out: folder for the folder of the results; nothing is stored where ``None``.
+        trust: run the Python files beside the scenario, where it comes from elsewhere; a yes is
+            remembered until they change.
         time_limit_s: longest time for one simulation [s].
         progress: called as ``progress(source, done, total)``.
 
@@ -102,6 +106,7 @@ def uncertainty(
     if scenario is None:
         record = of_formula(request, asked, stated, reasons)
     else:
+        catalogue.load(str(scenario), trust=trust)
         record = of_scenario(request, asked, stated, reasons, time_limit_s, progress)
     command = UncertaintyRequest(**{**vars(request), "set": set}).command()
     record = replace(record, command=" ".join(map(_quoted, command)))

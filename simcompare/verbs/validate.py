@@ -55,6 +55,7 @@ def validate(
     step: str | float | None = None,
     strict: bool = False,
     out: str | Path | None = None,
+    trust: bool = False,
     time_limit_s: float = TIME_LIMIT_S,
     progress: Progress | None = None,
 ) -> Result | Tabled:
@@ -79,6 +80,8 @@ def validate(
         step: time between samples, "1ms" or in seconds.
         strict: refuse a log with any defect.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
+        trust: run the Python files beside the scenario, where it comes from elsewhere; a yes is
+            remembered until they change.
         time_limit_s: longest time for one simulation [s].
         progress: called as ``progress(engine, done, total)``.
 
@@ -94,7 +97,7 @@ def validate(
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
-    file = catalogue.load(scenario)
+    file = catalogue.load(scenario, trust=trust)
     if out is not None:
         store.check_writable(Path(out))
     request = ValidateRequest(

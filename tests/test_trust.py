@@ -1,0 +1,218 @@
+"""Code beside a scenario from elsewhere runs only after a yes, and in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import pty
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import simcompare
+from simcompare.errors import InputError, UntrustedCode
+from simcompare.scenarios import catalogue, outside, trust
+from tests.conftest import FALL_REFERENCE, FALL_YAML
+
+TIMES = np.array([0.0, 1.0])
+EASY = "def reference(parameters, time_s):\n    return {}\n"
+
+
+@pytest.fixture(autouse=True)
+def nobody_said_yes(tmp_path, monkeypatch):
+    """Memories of its own, and a folder from elsewhere whose code leaves a mark."""
+    monkeypatch.setenv("SIMCOMPARE_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(trust, "_allowed", set())
+
+
+@pytest.fixture
+def mark(tmp_path):
+    return tmp_path / "it ran"
+
+
+@pytest.fixture
+def stranger(tmp_path, mark):
+    """A scenario folder that tries all ways to have its code run."""
+    folder = tmp_path / "strange" / "fall"
+    (folder / "reference").mkdir(parents=True)
+    evil = f"import os, pathlib; pathlib.Path({str(mark)!r}).write_text(str(os.getpid()))\n"
+    (folder / "fall.yaml").write_text(FALL_YAML, encoding="utf-8")
+    (folder / "reference.py").write_text(evil + FALL_REFERENCE, encoding="utf-8")
+    for name in ("helper", "conftest", "numpy", "sitecustomize", "measures", "reference/__init__"):
+        (folder / f"{name}.py").write_text(evil, encoding="utf-8")
+    return folder
+
+
+def test_only_a_yes_lets_it_run(call, stranger, mark):
+    code, out, err = call("run", stranger, "--engine", "pymunk", "--json", "--no-report")
+    assert (code, out) == (2, "")
+    assert str(stranger / "reference.py") in err
+    assert "add --trust once" in err
+    assert not mark.exists()
+    words = ("run", stranger, "--engine", "pymunk", "--json", "--no-report")
+    assert call(*words, "--trust")[0] in (0, 1)
+    assert int(mark.read_text()) != os.getpid(), "in a process of its own"
+    assert call(*words)[0] in (0, 1), "it is remembered"
+    (stranger / "helper.py").write_text("x = 1\n")
+    assert call(*words)[0] == 2, "other code is asked for again"
+
+
+@pytest.mark.parametrize(
+    "words", [["show", "PATH"], ["show", "PATH", "--json"], ["list"], ["tune", "PATH", "--help"],
+              ["run", "PATH", "--help"], ["explain", "fall"]],
+)  # fmt: skip
+def test_what_only_tells_runs_nothing(call, stranger, mark, monkeypatch, words):
+    monkeypatch.setenv("SIMCOMPARE_SCENARIOS", str(stranger.parent))
+    monkeypatch.chdir(stranger)
+    call(*(str(stranger) if word == "PATH" else word for word in words))
+    assert not mark.exists()
+
+
+def test_a_shell_that_completes_runs_nothing(stranger, mark, monkeypatch):
+    monkeypatch.setenv("SIMCOMPARE_SCENARIOS", str(stranger.parent))
+    from simcompare.cli import complete
+
+    assert complete.scenarios("fal") == ["fall"]
+    assert not mark.exists()
+
+
+def test_tags_of_yaml_run_nothing(call, stranger, mark):
+    (stranger / "reference.py").unlink()
+    text = f"!!python/object/apply:os.system ['touch \"{mark}\"']"
+    (stranger / "fall.yaml").write_text(f"{FALL_YAML}x: {text}\n", encoding="utf-8")
+    assert call("show", stranger)[0] == 2
+    assert not mark.exists()
+
+
+def test_a_scenario_without_code_needs_no_yes(call, stranger, mark):
+    (stranger / "reference.py").unlink()
+    assert call("run", stranger, "--engine", "pymunk", "--json", "--no-report")[0] in (0, 1)
+    assert not mark.exists()
+
+
+def test_python_says_yes_by_an_argument(stranger, mark):
+    with pytest.raises(UntrustedCode, match="add trust once"):
+        simcompare.run(stranger, engine="pymunk")
+    assert not mark.exists()
+    assert simcompare.run(stranger, engine="pymunk", trust=True).record.sources
+    assert mark.exists()
+
+
+def test_what_is_shipped_needs_no_yes():
+    for name, path in catalogue.files().items():
+        assert not catalogue.has_reference(path) or catalogue.reference_of(path), name
+
+
+def test_a_link_to_a_shipped_scenario_needs_no_yes_but_a_copy_does(tmp_path):
+    own = catalogue.find("ball").parent
+    (tmp_path / "ball").symlink_to(own)
+    assert catalogue.reference_of(tmp_path / "ball" / "ball.yaml")
+    shutil.copytree(own, tmp_path / "copy" / "ball")
+    with pytest.raises(UntrustedCode):
+        catalogue.reference_of(tmp_path / "copy" / "ball" / "ball.yaml")
+
+
+@pytest.mark.parametrize("name", ["lib.so", "more.pyc", "deep/down/x.py", "x.zip", "linked/a.py"])
+def test_all_code_below_the_folder_counts(stranger, tmp_path, name):
+    before = trust.digest_of(stranger / "reference.py")
+    if name.startswith("linked"):
+        (tmp_path / "far").mkdir()
+        (stranger / "linked").symlink_to(tmp_path / "far")
+    path = stranger / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("x")
+    with_it = trust.digest_of(stranger / "reference.py")
+    path.write_text("y")
+    assert len({before, with_it, trust.digest_of(stranger / "reference.py")}) == 3
+
+
+def test_a_folder_that_holds_itself_has_an_end(stranger):
+    (stranger / "again").symlink_to(stranger)
+    os.mkfifo(stranger / "pipe.py")
+    assert len(trust.digest_of(stranger / "reference.py")) == 64
+
+
+def test_a_folder_with_too_much_is_refused(stranger, monkeypatch):
+    monkeypatch.setattr(trust, "_MOST_PLACES", 3)
+    with pytest.raises(InputError, match="give it a folder of its own"):
+        trust.digest_of(stranger / "reference.py")
+
+
+def test_compiled_code_that_does_not_belong_to_the_source_is_not_used(stranger):
+    """Python would take it: its time and size are those of the source."""
+    source = stranger / "reference.py"
+    source.write_text(source.read_text().replace("write_text", "write_nope"))
+    subprocess.run([sys.executable, "-m", "py_compile", source], check=True)
+    kept = source.stat()
+    source.write_text(EASY.ljust(kept.st_size))
+    os.utime(source, ns=(kept.st_atime_ns, kept.st_mtime_ns))
+    trust.allow(source)
+    reference = catalogue.reference_of(stranger / "fall.yaml")
+    assert reference is not None
+    assert reference({}, TIMES, {}) == {}
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ("import time; time.sleep(600)", "no answer within 2 s"),
+        ("import os; os.abort()", "killed by SIGABRT"),
+        ("import os; os.closerange(3, 4096)", "connection to simcompare is broken"),
+        ("return {'a': ['x', 'y']}", "reference"),
+        ("return {'a': time_s[:1]}", "1 samples"),
+        ("raise SystemExit('bye')", "bye"),
+        ("return 3", "TypeError"),
+    ],
+)
+def test_a_reference_that_breaks_is_one_sentence_and_may_be_asked_again(stranger, body, expected):
+    source = stranger / "reference.py"
+    source.write_text(
+        "def reference(parameters, time_s):\n"
+        f"    if parameters:\n        {body}\n    return {{'a': 2 * time_s}}\n"
+    )
+    reference = outside._Outside(source, 2.0)
+    # the first call starts a process, which takes its time on a busy machine
+    reference._limit_s = 120.0
+    assert reference({}, TIMES, {})["a"] == pytest.approx([0.0, 2.0])
+    reference._limit_s = 2.0
+    with pytest.raises(InputError, match=expected) as error:
+        reference({"bad": 1.0}, TIMES, {})
+    assert error.value.where == str(source)
+    reference._limit_s = 120.0
+    assert reference({}, TIMES, {})["a"] == pytest.approx([0.0, 2.0])
+
+
+def answered(stranger: Path, answer: bytes) -> tuple[int, str]:
+    """A run on a terminal on which somebody types an answer: its exit code and what was seen."""
+    ours, theirs = pty.openpty()
+    words = ["run", str(stranger), "--engine", "pymunk", "--no-report", "--json"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "simcompare", *words, "--out", str(stranger.parent / "runs")],
+        stdin=theirs, stdout=subprocess.DEVNULL, stderr=theirs,
+    )  # fmt: skip
+    os.close(theirs)
+    os.write(ours, answer)
+    seen = b""
+    while True:
+        try:
+            more = os.read(ours, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not more:
+            break
+        seen += more
+    os.close(ours)
+    return process.wait(), seen.decode()
+
+
+def test_a_terminal_is_asked_and_its_yes_is_remembered(stranger, mark):
+    code, seen = answered(stranger, b"n\n")
+    assert code == 2
+    assert trust.digest_of(stranger / "reference.py")[:12] in seen
+    assert not mark.exists()
+    assert answered(stranger, b"y\n")[0] in (0, 1)
+    assert mark.exists()
+    assert trust.require(stranger / "reference.py")
