@@ -12,9 +12,10 @@ from markupsafe import Markup, escape
 
 from simcompare.errors import UnknownName
 from simcompare.reports import pages
-from simcompare.reports.render import matplotlib_, numbers, output, plotly_
+from simcompare.reports.render import matplotlib_, numbers, output, plotly_, replay_page
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block
+from simcompare.reports.render.replays import Replay
 from simcompare.reports.render.styles import style_of
 from simcompare.reports.render.tables import printable
 from simcompare.reports.run import settings
@@ -50,11 +51,12 @@ def html_of(blocks: Sequence[Block]) -> str:
         OutputError: plotly's script is not installed.
     """
     page = _environment().get_template("report.html")
-    css, js = (
+    css, js, replay_js = (
         Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
-        for name in ("report.css", "report.js")
+        for name in ("report.css", "report.js", "replay.js")
     )
-    return page.render(blocks=blocks, css=css, js=js, plotly=Markup(plotly_.script()))
+    plotly = Markup(plotly_.script())
+    return page.render(blocks=blocks, css=css, js=js, replay_js=replay_js, plotly=plotly)
 
 
 def write_figures(runs: Sequence[Run], folder: Path, format: str) -> list[Path]:
@@ -156,13 +158,22 @@ def _environment() -> jinja2.Environment:
     )
     environment.policies["urlize.rel"] = None  # the page is a file, which no site opened
     environment.filters.update(
-        figure_json=_figure_json, cell=_cell, style=style_of, tied=numbers.tied, marked=_marked
+        figure_json=_figure_json,
+        replay_json=_replay_json,
+        cell=_cell,
+        style=style_of,
+        tied=numbers.tied,
+        marked=_marked,
     )
     return environment
 
 
 def _figure_json(figure: Figure) -> Markup:
     return Markup(plotly_.embedded(figure))  # it has escaped itself
+
+
+def _replay_json(replay: Replay) -> Markup:
+    return Markup(replay_page.embedded(replay))  # it has escaped itself
 
 
 def _marked(text: str) -> Markup:

@@ -174,9 +174,13 @@ def _width(table: Table, i: int, most: float, scale: float) -> float:
     return min(max(longest, head, 0.3) + 0.02, WIDTH / 2)
 
 
+def _replay(paper: Paper, replay: Any, _scale: float) -> None:  # noqa: ANN401
+    """Paper does not move."""
+
+
 _OTHERS: dict[str, Callable[[Paper, Any, float], None]] = {
     "numbers": _numbers, "figure": _figure, "facts": _facts, "code": _code, "table": _table,
-    "part": _inner,
+    "replay": _replay, "part": _inner,
 }  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from simcompare.notation import sentence
 from simcompare.reports.render.figures import Figure
+from simcompare.reports.render.replays import Replay
 from simcompare.reports.render.tables import Table, printable
 from simcompare.results.run import Run
 
@@ -41,6 +42,7 @@ class Part:
         answer: the answer in full sentences; below the first figure where there is a short one.
         notices: what the reader must not miss.
         figures: what is drawn.
+        replays: scenes that can be played, below the figures.
         remarks: sentences below the first figure.
         facts: values by their names.
         notes: sentences.
@@ -59,6 +61,7 @@ class Part:
     answer: tuple[str, ...] = ()
     notices: tuple[str, ...] = ()
     figures: tuple[Figure, ...] = ()
+    replays: tuple[Replay, ...] = ()
     remarks: tuple[str, ...] = ()
     facts: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -86,7 +89,8 @@ class Part:
         facts = [("facts", self.facts)] if self.facts else []
         code = [("code", self.code)] if self.code else []
         return [
-            *above, *_each("notice", self.notices), *figures[:1], *below, *rest, *facts,
+            *above, *_each("notice", self.notices), *figures[:1], *below, *rest,
+            *_each("replay", self.replays), *facts,
             *_each("note", self.notes), *code, *tables[1 if leads else 0 :],
             *_each("part", self.parts),
         ]  # fmt: skip
@@ -95,6 +99,11 @@ class Part:
     def every_figure(self) -> list[Figure]:
         """Its figures and those of its parts."""
         return [*self.figures, *(one for part in self.parts for one in part.every_figure)]
+
+    @property
+    def every_replay(self) -> list[Replay]:
+        """Its replays and those of its parts."""
+        return [*self.replays, *(one for part in self.parts for one in part.every_replay)]
 
     @property
     def every_table(self) -> list[Table]:
@@ -173,6 +182,11 @@ class Block:
     def figures(self) -> list[Figure]:
         """Every figure."""
         return [figure for part in self.parts for figure in part.every_figure]
+
+    @property
+    def has_replay(self) -> bool:
+        """Whether anything in it can be played."""
+        return any(part.every_replay for part in self.parts)
 
     def part(self, name: str) -> Part:
         """The section of a name."""

@@ -21,6 +21,7 @@ _LAST: tuple[Section, ...] = (given, limits, setup)
 #: in the order in which a reader wants them
 SECTIONS: tuple[Section, ...] = (
     headline,
+    pictures.moving,
     measurement,
     sensing,
     pictures.drive,

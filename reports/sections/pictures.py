@@ -11,12 +11,19 @@ from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part
 from simcompare.reports.run import curve_figures, drive_figure, motion_figures, runs
 from simcompare.reports.run.contrast_figure import contrast_figure
+from simcompare.reports.run.replay import replay_of
 from simcompare.results.run import Run
 
 #: so many signals are seen at once, the others on request
 _OPEN = 2
 #: more energy than this part of that at the start is worth a name
 _GAIN = 1.001
+
+
+def moving(run: Run) -> Part | None:
+    """The scene in three dimensions; ``None`` where no source tells where a body is."""
+    replay = replay_of(run)
+    return None if replay is None else Part(replay.title, "replay", replays=(replay,), brief=False)
 
 
 def curves(run: Run) -> Part | None:

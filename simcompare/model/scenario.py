@@ -53,7 +53,15 @@ class Body(Pose):
     velocity_m_s: Vector = (0.0, 0.0, 0.0)
     rate_rad_s: Vector = (0.0, 0.0, 0.0)
     shapes: tuple[Shape, ...] = ()
+    visual: tuple[Shape, ...] = Field(
+        (), description="how it is drawn, where that is not by its shapes; engines never see it"
+    )
     drag: Drag | None = None
+
+    @property
+    def seen(self) -> tuple[Shape, ...]:
+        """The shapes that are drawn of it."""
+        return self.visual or self.shapes
 
     @model_validator(mode="after")
     def _moving_bodies_have_mass(self) -> Body:

@@ -19,6 +19,7 @@ from simcompare.comparison.comparison import Score
 from simcompare.comparison.repeats import AtStep
 from simcompare.engine.library import installed_version
 from simcompare.hardware.recordings.bounce_table import BounceTable
+from simcompare.model import drawing
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
 from simcompare.results.records.run import (
@@ -118,6 +119,7 @@ def of_run(
         seed=Settings().seed,
         truth=truth,
         probes=nominal.probes,
+        scene=drawing.drawn(nominal),
         axes=_axes(nominal),
         has_joints=bool(nominal.joints),
         tolerances=nominal.tolerances,

@@ -15,6 +15,7 @@ from simcompare.comparison.comparison import Score
 from simcompare.engine.backend import KnownLimit
 from simcompare.model.answer import Answer
 from simcompare.model.audit import AuditRow
+from simcompare.model.drawing import DrawnBody
 from simcompare.model.parquet import Table
 from simcompare.model.scenario import Dither, Probe, Tolerance
 from simcompare.model.tuning import TuningRow
@@ -172,6 +173,7 @@ class Record:
         seed: of every random number.
         truth: source of the truth, ``None`` where there is none.
         probes: what is observed, the leading one first.
+        scene: the bodies that can be seen, and how they are drawn.
         axes: series that are drawn over another one: measure -> the measure of its x values.
         has_joints: whether the scenario has joints.
         tolerances: of what is measured.
@@ -208,6 +210,7 @@ class Record:
     seed: int = 0
     truth: str | None = None
     probes: Mapping[str, Probe] = field(default_factory=dict)
+    scene: Mapping[str, DrawnBody] = field(default_factory=dict)
     axes: Mapping[str, str] = field(default_factory=dict)
     has_joints: bool = False
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict)

@@ -1,0 +1,62 @@
+"""A replay as the values that the page's own script plays."""
+
+from __future__ import annotations
+
+import base64
+import json
+from typing import Any
+
+import numpy as np
+
+from simcompare.model.trajectory import Array
+from simcompare.reports.render.meshes import Mesh
+from simcompare.reports.render.replays import Actor, Motion, Replay
+
+Json = dict[str, Any]
+#: digits of a corner: a tenth of a micrometre
+_DIGITS = 7
+
+
+def embedded(replay: Replay) -> str:
+    """A replay as JSON that can stand inside of a script element."""
+    text = json.dumps(_as_dict(replay), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+def _as_dict(replay: Replay) -> Json:
+    return {
+        "begin": float(replay.time_s[0]),
+        "end": float(replay.time_s[-1]),
+        "count": len(replay.time_s),
+        "bodies": {name: _mesh(mesh) for name, mesh in replay.bodies.items()},
+        "still": _mesh(replay.still),
+        "levels": replay.levels,
+        "actors": list(map(_actor, replay.actors)),
+        "low": replay.low_m.tolist(),
+        "high": replay.high_m.tolist(),
+        "across": replay.across,
+        "width": replay.width_m,
+        "flat": replay.is_flat,
+    }
+
+
+def _mesh(mesh: Mesh) -> Json:
+    corners = np.round(mesh.corners, _DIGITS).T.tolist()
+    return {"corners": corners, "triangles": mesh.triangles.T.tolist()}
+
+
+def _actor(actor: Actor) -> Json:
+    return {
+        "label": actor.label,
+        "colour": actor.colour,
+        "level": actor.level,
+        "motions": {name: _motion(motion) for name, motion in actor.motions.items()},
+    }
+
+
+def _motion(motion: Motion) -> Json:
+    return {"at": _packed(motion.position_m), "turn": _packed(motion.orientation_wxyz)}
+
+
+def _packed(values: Array) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")

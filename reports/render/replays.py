@@ -1,0 +1,102 @@
+"""What a replay shows: bodies that move in three dimensions, of several sources at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from simcompare.model.rotations import rotate
+from simcompare.model.trajectory import Array
+from simcompare.reports.render.meshes import Mesh
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Where one body is.
+
+    Attributes:
+        position_m: its place at each time (n, 3), world frame [m].
+        orientation_wxyz: how it is turned at each time (n, 4); (1, 4) where it does not turn.
+    """
+
+    position_m: Array
+    orientation_wxyz: Array
+
+
+@dataclass(frozen=True)
+class Actor:
+    """One source that moves the bodies.
+
+    Attributes:
+        label: its name.
+        colour: as ``#rrggbb``.
+        level: words of its contact level; empty for what is shown beside each of them.
+        motions: body -> where it is.
+    """
+
+    label: str
+    colour: str
+    level: str
+    motions: Mapping[str, Motion]
+
+    def placed(self, name: str, mesh: Mesh, index: int) -> Mesh:
+        """The surface of a body where it is at an instant."""
+        motion = self.motions[name]
+        turn = motion.orientation_wxyz[min(index, len(motion.orientation_wxyz) - 1)]
+        corners = rotate(np.tile(turn, (len(mesh.corners), 1)), mesh.corners)
+        return Mesh(corners + motion.position_m[index], mesh.triangles)
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A scene that can be played.
+
+    Attributes:
+        name: short name, for files and anchors.
+        title: what it is.
+        caption: what to see in it, one or two sentences.
+        time_s: instants (n,), evenly spaced [s].
+        bodies: body that moves -> its surface in its own frame.
+        still: surface of what never moves, world frame.
+        actors: who moves them; the first level of them is shown first.
+        low_m: lowest corner of what is shown (3,) [m].
+        high_m: highest corner (3,) [m].
+        across: horizontal axis, 0 or 1, along which least moves; sources may stand side by side
+            along it.
+        width_m: of what stands side by side there [m].
+        is_flat: whether next to nothing moves across, so that they do at first.
+        is_upright: whether more moves up and down than along, so that it is seen from the front.
+    """
+
+    name: str
+    title: str
+    caption: str
+    time_s: Array
+    bodies: Mapping[str, Mesh]
+    still: Mesh
+    actors: tuple[Actor, ...]
+    low_m: Array
+    high_m: Array
+    across: int
+    width_m: float
+    is_flat: bool
+    is_upright: bool
+
+    @property
+    def levels(self) -> list[str]:
+        """Contact levels in words, the first one shown first."""
+        return list(dict.fromkeys(actor.level for actor in self.actors if actor.level))
+
+    def shown(self, level: str) -> list[Actor]:
+        """Who is seen at a level."""
+        return [actor for actor in self.actors if actor.level in ("", level)]
+
+
+def reach_m(mesh: Mesh) -> float:
+    """Distance of the farthest corner from the origin of its frame [m]."""
+    if not len(mesh.corners):
+        return 0.0
+    return math.sqrt(float(np.max(np.sum(mesh.corners**2, axis=1))))

@@ -1,0 +1,192 @@
+"use strict";
+// every replay is played from the JSON in it; it is drawn when it comes into view
+(() => {
+  const LINE = 14, SHADE = { ambient: 0.65, diffuse: 0.6, specular: 0.1, roughness: 0.8 };
+  // height of the stage, and its width over its height, in the units in which Plotly places the eye
+  const HIGH = 1.15, WIDE = 0.85;
+  const FLOOR = "#E8E8E8", SEEN = { several: 0.72, alone: 1 };
+  const numbers = (text) => new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+  // where the eye stands, by the axis along which sources stand side by side
+  const VIEWS = {
+    "from the corner": (across) => (across === 1 ? { x: 0.75, y: -1.5, z: 0.75 } : { x: 1.5, y: -0.75, z: 0.75 }),
+    "from the front": (across) => (across === 1 ? { x: 1.9, y: 0, z: 0.12 } : { x: 0, y: -1.9, z: 0.12 }),
+    "from the side": (across) => (across === 1 ? { x: 0, y: -1.9, z: 0.12 } : { x: 1.9, y: 0, z: 0.12 }),
+    "from above": () => ({ x: 0, y: -0.01, z: 2.2 }),
+  };
+  class Player {
+    constructor(box) {
+      this.box = box;
+      this.scene = JSON.parse(box.querySelector("script").textContent);
+      this.plot = box.querySelector(".stage");
+      this.control = (name) => box.querySelector(`[name=${name}]`);
+      for (const actor of this.scene.actors) {
+        for (const motion of Object.values(actor.motions)) {
+          motion.at = numbers(motion.at);
+          motion.turn = numbers(motion.turn);
+        }
+      }
+      this.time = this.scene.begin;
+      this.playing = false;
+      this.control("play").addEventListener("click", () => this.toggle());
+      this.control("time").addEventListener("input", (event) => this.seek(Number(event.target.value)));
+      this.control("view").addEventListener("change", () => this.look());
+      this.control("lanes").addEventListener("change", () => this.draw());
+      if (this.control("level")) this.control("level").addEventListener("change", () => this.list());
+      this.list();
+    }
+    get level() { return this.control("level") ? this.control("level").value : this.scene.levels[0]; }
+    get candidates() { return this.scene.actors.filter((actor) => !actor.level || actor.level === this.level); }
+    get shown() {
+      const off = new Set([...this.box.querySelectorAll(".sources input")].filter((one) => !one.checked).map((one) => one.value));
+      return this.candidates.filter((actor) => !off.has(actor.label));
+    }
+    // one box to tick for each source of the level; what was hidden stays hidden
+    list() {
+      const list = this.box.querySelector(".sources"), off = new Set([...list.querySelectorAll("input")].filter((one) => !one.checked).map((one) => one.value));
+      list.replaceChildren(...this.candidates.map((actor) => {
+        const label = document.createElement("label"), input = document.createElement("input"), swatch = document.createElement("span");
+        Object.assign(input, { type: "checkbox", value: actor.label, checked: !off.has(actor.label) });
+        input.addEventListener("change", () => this.draw());
+        swatch.className = "dot";
+        swatch.style.background = actor.colour;
+        label.append(input, swatch, actor.label);
+        return label;
+      }));
+      this.draw();
+    }
+    // places of all corners of one source
+    corners(actor, shift) {
+      const { begin, end, count, bodies, across } = this.scene, found = [[], [], []];
+      const exact = (this.time - begin) / (end - begin) * (count - 1), first = Math.min(Math.floor(exact), count - 1);
+      const second = Math.min(first + 1, count - 1), part = exact - first;
+      for (const [name, motion] of Object.entries(actor.motions)) {
+        const at = [0, 1, 2].map((i) => (1 - part) * motion.at[3 * first + i] + part * motion.at[3 * second + i]);
+        at[across] += shift;
+        const turns = motion.turn.length > 4, a = turns ? 4 * first : 0, b = turns ? 4 * second : 0;
+        // the shorter way from one turn to the next
+        const sign = [0, 1, 2, 3].reduce((sum, i) => sum + motion.turn[a + i] * motion.turn[b + i], 0) < 0 ? -1 : 1;
+        const q = [0, 1, 2, 3].map((i) => (1 - part) * motion.turn[a + i] + sign * part * motion.turn[b + i]);
+        const length = Math.hypot(...q) || 1, [w, x, y, z] = q.map((one) => one / length);
+        const rows = [
+          [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ];
+        const [cx, cy, cz] = bodies[name].corners;
+        rows.forEach((row, axis) => {
+          for (let k = 0; k < cx.length; k += 1) found[axis].push(at[axis] + row[0] * cx[k] + row[1] * cy[k] + row[2] * cz[k]);
+        });
+      }
+      return found;
+    }
+    // triangles of all bodies that a source tells of, numbered through
+    triangles(actor) {
+      const found = [[], [], []];
+      let count = 0;
+      for (const name of Object.keys(actor.motions)) {
+        const { corners, triangles } = this.scene.bodies[name];
+        triangles.forEach((row, i) => row.forEach((one) => found[i].push(one + count)));
+        count += corners[0].length;
+      }
+      return found;
+    }
+    shifts(shown) {
+      if (!this.control("lanes").checked) return shown.map(() => 0);
+      return shown.map((_, i) => (i - (shown.length - 1) / 2) * this.scene.width);
+    }
+    mesh([x, y, z], [i, j, k], colour, opacity, name) {
+      return { type: "mesh3d", x, y, z, i, j, k, color: colour, opacity, name, flatshading: false, lighting: SHADE, hoverinfo: name ? "name" : "skip" };
+    }
+    still(shifts) {
+      const { corners, triangles } = this.scene.still, { across } = this.scene, apart = [...new Set(shifts)];
+      const places = corners.map((row, axis) => apart.flatMap((shift) => row.map((one) => one + (axis === across ? shift : 0))));
+      const faces = triangles.map((row) => apart.flatMap((_, n) => row.map((one) => one + n * corners[0].length)));
+      return { ...this.mesh(places, faces, FLOOR, 1, ""), lighting: { ambient: 1, diffuse: 0, specular: 0 } };
+    }
+    // the name of each source at the foot of its lane
+    names(shown, shifts) {
+      const { low, high, across } = this.scene;
+      const axes = [0, 1, 2].map((axis) => shifts.map((shift) => (axis === across ? (low[axis] + high[axis]) / 2 + shift : low[axis])));
+      const [x, y, z] = axes;
+      return { type: "scatter3d", mode: "text", x, y, z, text: shown.map((one) => one.label.replace(/ \(.*/, "")), textfont: { size: LINE - 1, color: "#222" }, textposition: "bottom center", hoverinfo: "skip" };
+    }
+    range(shifts) {
+      return [0, 1, 2].map((axis) => {
+        const wider = axis === this.scene.across ? Math.max(...shifts, 0) : 0;
+        return [this.scene.low[axis] - wider, this.scene.high[axis] + wider];
+      });
+    }
+    // a metre is as long along each axis, and the whole fits into the stage
+    aspect(range) {
+      const sizes = range.map(([low, high]) => high - low), stage = this.plot.clientWidth / this.plot.clientHeight;
+      const unit = Math.max(sizes[2] / HIGH, Math.hypot(sizes[0], sizes[1]) / (WIDE * stage));
+      return Object.fromEntries(["x", "y", "z"].map((key, axis) => [key, sizes[axis] / unit]));
+    }
+    draw() {
+      if (!this.plot.clientWidth) return;
+      const shown = this.shown, shifts = this.shifts(shown), lanes = this.control("lanes").checked;
+      const seen = shown.length > 1 && !lanes ? SEEN.several : SEEN.alone;
+      const data = shown.map((actor, n) => this.mesh(this.corners(actor, shifts[n]), this.triangles(actor), actor.colour, seen, actor.label));
+      if (this.scene.still.corners[0].length) data.push(this.still(shifts));
+      if (lanes && shown.length > 1) data.push(this.names(shown, shifts));
+      // lanes have no place of their own, and what is seen from its end has no length
+      const bare = (i) => lanes && i < 2 && (i === this.scene.across || this.control("view").value === "from the front");
+      const range = this.range(shifts), axis = (i, title) => ({ range: range[i], title: { text: bare(i) ? "" : title }, showticklabels: !bare(i), showspikes: false, backgroundcolor: "#fff", gridcolor: "#ddd", nticks: 5, tickfont: { size: LINE - 3 } });
+      const camera = this.plot.layout ? this.plot.layout.scene.camera : this.camera();
+      const layout = {
+        margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, width: this.plot.clientWidth, height: this.plot.clientHeight,
+        paper_bgcolor: "#fff", font: { size: LINE },
+        scene: { aspectmode: "manual", aspectratio: this.aspect(range), camera, xaxis: axis(0, "x (m)"), yaxis: axis(1, "y (m)"), zaxis: axis(2, "z (m)") },
+      };
+      Plotly.react(this.plot, data, layout, { displaylogo: false, displayModeBar: false, scrollZoom: false });
+      this.drawn = shown.map((actor, n) => [actor, shifts[n]]);
+      this.tell();
+    }
+    camera() { return { eye: VIEWS[this.control("view").value](this.scene.across), center: { x: 0, y: 0, z: 0 } }; }
+    look() {
+      this.plot.layout.scene.camera = this.camera();
+      this.draw();
+    }
+    tell() {
+      const text = `${this.time.toFixed(3)} s`;
+      this.control("time").value = this.time;
+      this.control("time").setAttribute("aria-valuetext", text);
+      this.box.querySelector("output").textContent = text;
+    }
+    seek(time) {
+      this.time = time;
+      this.tell();
+      if (!this.drawn || !this.drawn.length) return Promise.resolve();
+      const places = this.drawn.map(([actor, shift]) => this.corners(actor, shift));
+      const update = Object.fromEntries(["x", "y", "z"].map((key, axis) => [key, places.map((one) => one[axis])]));
+      return Plotly.restyle(this.plot, update, this.drawn.map((_, n) => n));
+    }
+    toggle() {
+      this.playing = !this.playing;
+      const button = this.control("play");
+      button.textContent = this.playing ? "❚❚ Pause" : "▶ Play";
+      if (!this.playing) return;
+      if (this.time >= this.scene.end) this.time = this.scene.begin;
+      let last = performance.now();
+      const step = (now) => {
+        if (!this.playing) return;
+        const next = this.time + (now - last) / 1000 * Number(this.control("speed").value);
+        last = now;
+        this.seek(Math.min(next, this.scene.end)).then(() => {
+          if (this.time >= this.scene.end) this.toggle();
+          else requestAnimationFrame(step);
+        });
+      };
+      requestAnimationFrame(step);
+    }
+  }
+  const players = new Map(), boxes = [...document.querySelectorAll(".replay")];
+  const begin = (box) => {
+    if (players.has(box) || !box.querySelector(".stage").clientWidth) return;
+    players.set(box, new Player(box));
+  };
+  const watcher = new IntersectionObserver((seen) => seen.filter((one) => one.isIntersecting).forEach((one) => begin(one.target)), { rootMargin: "200px" });
+  boxes.forEach((box) => watcher.observe(box));
+  window.addEventListener("resize", () => players.forEach((player) => player.draw()));
+  window.addEventListener("beforeprint", () => boxes.forEach(begin));
+})();

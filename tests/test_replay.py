@@ -1,0 +1,158 @@
+"""Scenes that can be played: surfaces, motion, and what a page holds of them."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+import simcompare
+from simcompare.model.rotations import rotate
+from simcompare.model.shapes import Shape
+from simcompare.model.trajectory import TRUTH
+from simcompare.reports import builder
+from simcompare.reports.render import matplotlib_replay, replay_page
+from simcompare.reports.render.meshes import Mesh, mesh_of, sheet
+from simcompare.reports.run.replay import replay_of
+from simcompare.verbs.result import Result
+
+SHAPES: TypeAdapter[Shape] = TypeAdapter(Shape)
+TURNED = [0.5, 0.5, -0.5, 0.5]
+
+
+def _shape(**what: object) -> Shape:
+    return SHAPES.validate_python(
+        {"position_m": [0.3, -0.2, 1.0], "orientation_wxyz": TURNED} | what
+    )
+
+
+def _volume_m3(mesh: Mesh) -> float:
+    """Of a closed surface whose triangles are turned outwards (divergence theorem)."""
+    a, b, c = (mesh.corners[mesh.triangles[:, i]] for i in range(3))
+    return float(np.sum(np.einsum("ij,ij->i", a, np.cross(b, c))) / 6)
+
+
+@pytest.mark.parametrize(
+    ("shape", "exact_m3"),
+    [
+        (_shape(type="box", size_m=[0.1, 0.2, 0.4]), 0.1 * 0.2 * 0.4),
+        (_shape(type="sphere", radius_m=0.3), 4 / 3 * np.pi * 0.3**3),
+        (_shape(type="cylinder", radius_m=0.2, length_m=0.5), np.pi * 0.2**2 * 0.5),
+        (
+            _shape(type="capsule", radius_m=0.2, length_m=0.5),
+            np.pi * 0.2**2 * 0.5 + 4 / 3 * np.pi * 0.2**3,
+        ),
+    ],
+)
+def test_a_shape_is_a_closed_surface_of_its_volume(shape: Shape, exact_m3: float) -> None:
+    mesh = mesh_of([shape])
+    # what is round has flat sides: 18 around and 8 from pole to pole lose 2 % and 5 %
+    assert exact_m3 * 0.9 < _volume_m3(mesh) <= exact_m3 * (1 + 1e-9)
+    corners = np.round(mesh.corners, 9)
+    edges = Counter(
+        (tuple(corners[one]), tuple(corners[other]))
+        for triangle in mesh.triangles
+        for one, other in zip(triangle, np.roll(triangle, -1), strict=True)
+        if (corners[one] != corners[other]).any()
+    )
+    assert all(edges[other, one] == count for (one, other), count in edges.items())
+
+
+def test_a_sheet_lies_in_its_plane_and_fills_the_box() -> None:
+    normal = np.array([-0.6, 0.0, 0.8])
+    mesh = sheet(np.array([1.0, 0.0, 0.5]), normal, np.array([-1.0, -2, 0]), np.array([3.0, 2, 9]))
+    assert np.allclose((mesh.corners - [1.0, 0.0, 0.5]) @ normal, 0, atol=1e-12)
+    assert np.ptp(mesh.corners, axis=0)[:2].tolist() == [4.0, 4.0]
+
+
+@pytest.fixture(scope="module")
+def run() -> Result:
+    found: Result = simcompare.run("ball", engine="pymunk", contact="default,tuned", seeds=1)
+    return found
+
+
+def test_a_run_is_replayed_as_it_was_simulated(run: Result) -> None:
+    replay = replay_of(run)
+    assert replay is not None
+    assert replay.levels == ["by default, as it comes", "tuned, in a plain loop"]
+    assert [actor.label for actor in replay.shown(replay.levels[0])] == [
+        f"truth ({TRUTH})", "pymunk",
+    ]  # fmt: skip
+    stored = next(one for one in run.trajectories if one.contact == "default").trajectory
+    actor = next(one for one in replay.actors if one.level == replay.levels[0])
+    heights = np.interp(replay.time_s, stored.time_s, stored.signals["ball.position_m"][:, 2])
+    # a picture shows the next sample: the ball falls at most 4.4 m/s for one step of 1 ms
+    assert actor.motions["ball"].position_m[:, 2] == pytest.approx(heights, abs=5e-3)
+
+
+def test_sources_of_a_falling_ball_stand_side_by_side(run: Result) -> None:
+    replay = replay_of(run)
+    assert replay is not None
+    assert replay.is_flat
+    assert replay.is_upright
+
+
+def test_who_flies_away_is_not_followed(run: Result) -> None:
+    near = replay_of(run)
+    gone = next(one for one in run.trajectories if one.contact == "tuned")
+    signals = dict(gone.trajectory.signals)
+    signals["ball.position_m"] = signals["ball.position_m"] * [1.0, 1.0, 28_000.0]
+    away = replace(gone, trajectory=replace(gone.trajectory, signals=signals))
+    far = replay_of(
+        replace(run, trajectories=tuple(away if one is gone else one for one in run.trajectories))
+    )
+    assert near is not None
+    assert far is not None
+    assert far.high_m[2] < 2 * near.high_m[2]
+
+
+def test_a_page_holds_the_motion_and_stays_small(run: Result, tmp_path: Path) -> None:
+    replay = replay_of(run)
+    assert replay is not None
+    text = replay_page.embedded(replay)
+    assert len(text) < 1e6  # what a replay may add to a report
+    held = json.loads(text)
+    motion = held["actors"][0]["motions"]["ball"]["at"]
+    found = np.frombuffer(base64.b64decode(motion), dtype="<f4").reshape(-1, 3)
+    assert found == pytest.approx(replay.actors[0].motions["ball"].position_m, abs=1e-6)
+    page = builder.write_html([run], tmp_path / "report.html").read_text(encoding="utf-8")
+    assert text in page
+    assert "class Player" in page
+
+
+def test_a_run_without_a_scene_has_no_player(run: Result, tmp_path: Path) -> None:
+    """Those that were stored before scenes were."""
+    old = replace(run, record=replace(run.record, scene={}))
+    page = builder.write_html([old], tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "class Player" not in page
+
+
+def test_a_body_is_drawn_by_its_visual_and_simulated_by_its_shapes() -> None:
+    robot = simcompare.scenarios.catalogue.load("robot").resolve()
+    wheel = robot.bodies["left_wheel"]
+    assert [shape.type for shape in wheel.shapes] == ["sphere"]
+    assert [shape.type for shape in wheel.seen] == ["cylinder", "box"]
+
+
+def test_a_placed_surface_is_turned_and_moved(run: Result) -> None:
+    replay = replay_of(run)
+    assert replay is not None
+    actor, mesh = replay.actors[1], replay.bodies["ball"]
+    placed = actor.placed("ball", mesh, 5)
+    motion = actor.motions["ball"]
+    turn = np.tile(
+        motion.orientation_wxyz[min(5, len(motion.orientation_wxyz) - 1)], (len(mesh.corners), 1)
+    )
+    assert placed.corners == pytest.approx(rotate(turn, mesh.corners) + motion.position_m[5])
+
+
+def test_a_still_is_a_picture(run: Result) -> None:
+    replay = replay_of(run)
+    assert replay is not None
+    assert matplotlib_replay.rendered(replay, replay.levels[0])[:4] == b"\x89PNG"
