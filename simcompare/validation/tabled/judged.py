@@ -240,16 +240,18 @@ def _verdict(source: str, values: Sequence[float | None], rows: Rows) -> Verdict
     left = (y - ratio * x) / own
     degrees = max(len(x) - 1, 1)
     scatter = math.sqrt(float(left @ left) / degrees)
-    agrees = abs(ratio - 1) <= expanded and _is_usual(scatter, degrees)
+    agrees = abs(ratio - 1) <= expanded and _is_usual(scatter, degrees, rows.degrees_of_freedom)
     return Verdict(source, OK, None, None, AGREES if agrees else DISAGREES, len(x), within, ratio,
                    expanded, scatter)  # fmt: skip
 
 
-def _is_usual(scatter: float, degrees: int) -> bool:
+def _is_usual(scatter: float, degrees: int, behind_u: float) -> bool:
     """Whether residuals are no larger than their u lets one expect in 99 of 100 tables."""
     from scipy import stats
 
-    return scatter**2 * degrees <= float(stats.chi2.ppf(0.99, degrees))
+    if math.isinf(behind_u):
+        return scatter**2 * degrees <= float(stats.chi2.ppf(0.99, degrees))
+    return scatter**2 <= float(stats.f.ppf(0.99, degrees, behind_u))
 
 
 def _timed(entry: Entry, verdicts: Sequence[Verdict]) -> int | None:

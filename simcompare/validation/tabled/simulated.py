@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -126,7 +127,7 @@ class ClosedForm:
     setting: Setting
     entries: Sequence[Entry]
 
-    @property
+    @functools.cached_property
     def exists(self) -> bool:
         """Whether the scenario has one."""
         return catalogue.reference_of(self.setting.file.path) is not None
