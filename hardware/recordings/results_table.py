@@ -24,7 +24,7 @@ from simcompare.hardware.mapping import Mapping as ColumnMap
 from simcompare.model.trajectory import Array
 
 #: a table has no more rows than somebody measured by hand
-MAX_ROWS = 500
+MAX_ROWS = 200
 #: bytes of the largest file that is read as one
 _MAX_BYTES = 1 << 20
 #: l/cm may be centimetres and not litres over centimetres

@@ -63,8 +63,7 @@ def validate_table(
         step_s = sample_step_s(file, values, None, request.step)
     setting = Setting(file, setting.said, step_s)
     form = ClosedForm(setting, read.entries)
-    closed = [form.at(one.set) if form.exists else dict.fromkeys(e.name for e in read.entries)
-              for one in read.found]  # fmt: skip
+    closed = form.of([one.set for one in read.found])
     simulated = simulate(
         setting, read.found, read.entries, engines, contact=request.contact,
         time_limit_s=time_limit_s, progress=progress,

@@ -144,10 +144,13 @@ def _curve(rows: Rows, form: ClosedForm) -> Iterator[tuple[float, float]]:
     if len(names) > 1 or not form.exists:
         return
     set_to = column(rows.found, names[0])
-    for x in np.linspace(set_to.min(), set_to.max(), _DRAWN):
-        y = form.at({**rows.found[0].set, names[0]: float(x)})[rows.entry.name]
+    places = np.linspace(set_to.min(), set_to.max(), _DRAWN).tolist()
+    for x, made in zip(
+        places, form.of([{**rows.found[0].set, names[0]: x} for x in places]), strict=True
+    ):
+        y = made[rows.entry.name]
         if y is not None:
-            yield float(x), y
+            yield x, y
 
 
 def _shares(rows: Rows) -> dict[str, float]:
@@ -326,13 +329,10 @@ def _model(rows: Rows, form: ClosedForm, name: str, offset: str, x: Array) -> Ar
     Raises:
         InputError: no scene can be built, or it gives no value.
     """
-    values = []
-    for one in rows.found:
-        row = {**one.set, name: float(x[0])}
-        if offset:
-            row[offset] = row[offset] + float(x[1])
-        value = form.at(row)[rows.entry.name]
-        if value is None:
-            raise InputError(rows.entry.name, ["cannot be measured"])
-        values.append(value)
-    return np.array(values)
+    moved = [{**one.set, name: float(x[0])} for one in rows.found]
+    for row in moved if offset else ():
+        row[offset] += float(x[1])
+    values = [made[rows.entry.name] for made in form.of(moved)]
+    if any(value is None for value in values):
+        raise InputError(rows.entry.name, ["cannot be measured"])
+    return np.array(values, dtype=float)

@@ -138,51 +138,60 @@ class ClosedForm:
             dict.fromkeys(why for one in found for why in self.setting.scene(one.set).beyond)
         )
 
-    def at(self, row: Mapping[str, float]) -> Values:
-        """Result -> value; ``None`` where it cannot be measured or does not hold."""
-        scene = self.setting.scene(row)
-        truth = None if scene.beyond else truths_of(self.setting.file.path, [scene])[0]
-        return {
-            one.name: None if truth is None else _or_none(scene, truth, one) for one in self.entries
-        }
+    def of(self, rows: Sequence[Mapping[str, float]]) -> list[Values]:
+        """For each row: result -> value; ``None`` where it cannot be measured or does not hold."""
+        scenes = [self.setting.scene(row) for row in rows]
+        held = [scene for scene in scenes if self.exists and not scene.beyond]
+        truths = iter(truths_of(self.setting.file.path, held))
+        return [
+            {one.name: _or_none(scene, truth, one) for one in self.entries}
+            for scene in scenes
+            for truth in [None if scene.beyond or not self.exists else next(truths)]
+        ]
 
     def decisive(self, one: Experiment) -> list[str]:
         """Parameters that no row says and on which some result depends; those that are 0 do not."""
-        nominal, values = self.at(one.set), self.setting.values(one.set)
-        found = []
+        values, moved = self.setting.values(one.set), {}
         for name, bounds in self.setting.file.parameters.items():
-            if name in one.set or not values[name]:
-                continue
-            away = _SMALL if values[name] * (1 + _SMALL) <= bounds.max else -_SMALL
-            moved = self.at({**one.set, name: values[name] * (1 + away)})
-            if any(_differ(nominal[result], value) for result, value in moved.items()):
-                found.append(name)
-        return found
+            if name not in one.set and values[name]:
+                away = _SMALL if values[name] * (1 + _SMALL) <= bounds.max else -_SMALL
+                moved[name] = {**one.set, name: values[name] * (1 + away)}
+        nominal, *found = self.of([one.set, *moved.values()])
+        return [
+            name
+            for name, made in zip(moved, found, strict=True)
+            if any(_differ(nominal[result], value) for result, value in made.items())
+        ]
 
     def effects(self, one: Experiment, nominal: Values) -> dict[str, dict[str, float]]:
         """Input -> result -> by how much the input's standard uncertainty changes it."""
-        found: dict[str, dict[str, float]] = {}
-        values = self.setting.values(one.set)
+        values, signs, moved = self.setting.values(one.set), [], {}
         for name, u in self.setting.u_of_inputs(one).items():
             bounds = self.setting.file.parameters[name]
-            step = u if values[name] + u <= bounds.max else -u
-            moved = self.at({**one.set, name: max(values[name] + step, bounds.min)})
-            changes = {
-                result: (value - before) * (1 if step > 0 else -1)
-                for result, value in moved.items()
-                if value is not None and (before := nominal[result]) is not None
-            }
-            found |= {name: changes} if any(changes.values()) else {}
-        return found
+            signs.append(1 if values[name] + u <= bounds.max else -1)
+            moved[name] = {**one.set, name: max(values[name] + signs[-1] * u, bounds.min)}
+        found = {
+            name: _changes(made, nominal, sign)
+            for name, made, sign in zip(moved, self.of([*moved.values()]), signs, strict=True)
+        }
+        return {name: changes for name, changes in found.items() if any(changes.values())}
+
+
+def _changes(moved: Values, nominal: Values, sign: int) -> dict[str, float]:
+    return {
+        result: (value - before) * sign
+        for result, value in moved.items()
+        if value is not None and (before := nominal[result]) is not None
+    }
 
 
 def _differ(one: float | None, other: float | None) -> bool:
     return one is None or other is None or abs(one - other) > _SMALL**2 * abs(one)
 
 
-def _or_none(scene: Scenario, trajectory: Trajectory, entry: Entry) -> float | None:
+def _or_none(scene: Scenario, trajectory: Trajectory | None, entry: Entry) -> float | None:
     try:
-        return value_in(scene, trajectory, entry)
+        return None if trajectory is None else value_in(scene, trajectory, entry)
     except InputError:
         return None
 
