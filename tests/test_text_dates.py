@@ -7,8 +7,9 @@ import datetime
 import numpy as np
 import pytest
 
-import simcompare
 from simcompare.errors import InputError
+from simcompare.hardware import importing
+from simcompare.hardware.mapping import NOTHING
 
 START = datetime.datetime(2024, 5, 17, 11, 59, 59, 800_000)
 COUNT = 60
@@ -19,7 +20,7 @@ def read(tmp_path):
     def of(stamps, name="time"):
         lines = [f"{name},x (m)", *(f"{stamp},{i}" for i, stamp in enumerate(stamps))]
         (tmp_path / "log.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        return simcompare.import_log(tmp_path / "log.csv")
+        return importing.read(tmp_path / "log.csv", NOTHING)
 
     return of
 
@@ -102,7 +103,7 @@ def test_a_time_in_parts_is_put_together(tmp_path, dated):
         cells = (m.strftime(form) + f"{m.microsecond // 1000:03d}").split(",")[skip:]
         lines.append(",".join([*cells, str(i)]))
     (tmp_path / "log.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    (stream,) = simcompare.import_log(tmp_path / "log.csv").streams.values()
+    (stream,) = importing.read(tmp_path / "log.csv", NOTHING).streams.values()
     # seconds since 1970 in a float
     assert stream.time_s == pytest.approx(0.01 * np.arange(COUNT), abs=1e-6)
     assert [*stream.channels] == ["x_m"]

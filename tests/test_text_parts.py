@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import simcompare
 from simcompare.errors import InputError
+from simcompare.hardware import importing
+from simcompare.hardware.mapping import NOTHING
 
 
 @pytest.fixture
 def read(tmp_path):
-    def of(text, name="log.csv", **more):
+    def of(text, name="log.csv"):
         (tmp_path / name).write_text(text, encoding="utf-8")
-        return simcompare.import_log(tmp_path / name, **more)
+        return importing.read(tmp_path / name, NOTHING)
 
     return of
 

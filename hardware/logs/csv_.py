@@ -16,6 +16,7 @@ from simcompare.hardware.logs.text import (
     clocks,
     console,
     kinds,
+    rate,
     restarts,
     rostopic,
     sections,
@@ -141,11 +142,14 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     if not layout.header:
         text = f"there is no header; the columns are called {', '.join(n for n, _ in layout.names)}"
         repairs.append(Repair("no_header", INFO, text[:300]))
+    about = _cell.about_of(layout.preamble)
     time, clock = _time(source.label, table, layout, times, joined, mapping, repairs)
     log = RawLog(
-        [_stream(table, time, clock, found)],
-        repairs=repairs, ignored=table.ignored, about=_cell.about_of(layout.preamble),
+        [_stream(table, time, clock)],
+        repairs=repairs, ignored=table.ignored, about=about,
     )  # fmt: skip
+    if time is None and clock.name == NO_CLOCK:
+        _with_rate(log, found)
     if rostopic.is_echo(names):
         rostopic.finish(log)
     if found:
@@ -157,22 +161,28 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     return log
 
 
-def _stream(
-    table: Table, time: str | None, clock: Clock, found: profiles.Found | None
-) -> RawStream:
-    """All columns with one clock, or with the rate that the head of the log says."""
-    stream = RawStream("log", table.columns, time, clock=clock, first_row=table.first_row,
-                       rows=table.rows, truncated=table.truncated)  # fmt: skip
-    if time is None and clock.name == NO_CLOCK and found and found.rate_Hz:
-        stream.increment_s = 1 / found.rate_Hz
-        stream.clock = Clock(f"{found.rate_Hz:g} Hz, as the head of the log says")
-    return stream
+def _stream(table: Table, time: str | None, clock: Clock) -> RawStream:
+    """All columns with one clock."""
+    return RawStream("log", table.columns, time, clock=clock, first_row=table.first_row,
+                     rows=table.rows, truncated=table.truncated)  # fmt: skip
+
+
+def _with_rate(log: RawLog, found: profiles.Found | None) -> None:
+    """Gives the samples the rate that the head of the log says, where it says one."""
+    said = rate.of(log.about)
+    if found and found.rate_Hz:
+        said = found.rate_Hz, ""
+    if said:
+        log.streams[0].increment_s = 1 / said[0]
+        log.streams[0].clock = Clock(f"{said[0]:g} Hz, as the head of the log says")
+        text = f"no column is a time; {said[1]!r} says that there are {said[0]:g} rows in a second"
+        log.repairs += [Repair("rate", INFO, text)] if said[1] else []
 
 
 def _named_by_numbers(source: _source.Source, layout: Layout) -> Layout:
     """Names for columns without a header, where the first rows tell what they are."""
     lines = source.head_from(layout.first_line)[:_FIRST_ROWS]
-    cells = [sniff.split(line, layout.separator) for line in lines if line.strip()]
+    cells = [_cell.split(line, layout.separator) for line in lines if line.strip()]
     rows = [_cell.numbers(row, layout.decimal) for row in cells]
     names = profiles.name([row.tolist() for row in rows if row is not None])
     fits = len(names) == len(layout.names)
@@ -195,7 +205,8 @@ def _time_columns(layout: Layout, found: profiles.Found | None) -> list[int]:
     timed = [k for k in usable if _in_time(layout, k)]
     for says_so in (clocks.is_time, clocks.may_be_time):
         named = [k for k in usable if says_so(layout.names[k][0])]
-        if named:
+        if named:  # the clock of a device goes before that of its console
+            named = [k for k in named if layout.names[k][0] != console.STAMP] or named
             return [k for k in named if layout.names[k] != ("T", "")] or named
     timed = [k for k in timed if not clocks.is_span(layout.names[k][0])]
     return timed if len(timed) == 1 else []
@@ -220,7 +231,7 @@ def _with_integer_stamps(source: _source.Source, layout: Layout, times: Sequence
     if not rows:
         return layout
     kinds = list(layout.kinds)
-    cells = sniff.split(rows[0], layout.separator)
+    cells = _cell.split(rows[0], layout.separator)
     ros = [0] if layout.names[0][0] == "%time" else []
     for k in [*times, *ros]:
         if kinds[k] == "number" and k < len(cells) and re.fullmatch(r"\s*\d{16,19}\s*", cells[k]):

@@ -122,7 +122,7 @@ def _pairs(source: _source.Source | None) -> dict[str, str]:
     """``"property","value"`` as a mapping."""
     if source is None:
         return {}
-    rows = [sniff.split(line, _separator(source)) for line in source.head[1:] if line.strip()]
+    rows = [_cell.split(line, _separator(source)) for line in source.head[1:] if line.strip()]
     return {row[0]: row[1] for row in rows if len(row) > 1 and row[1] not in ("", "null")}
 
 
@@ -139,8 +139,8 @@ def _add(log: RawLog, name: str, source: _source.Source, device: dict[str, str])
         log.ignored[name] = "holds no samples"
         return
     separator = _separator(source)
-    names = _cell.headings(sniff.split(source.head[0], separator))
-    cells = [(line, sniff.split(text, separator)) for line, text in rows]
+    names = _cell.headings(_cell.split(source.head[0], separator))
+    cells = [(line, _cell.split(text, separator)) for line, text in rows]
     layout = sniff.below_header(source.label, cells, names, separator)
     layout = replace(layout, first_line=2, header=source.head[0], header_line=1)
     table = _table.read(source, layout)
@@ -214,7 +214,7 @@ def _clocks(log: RawLog, source: _source.Source | None) -> None:
     separator = _separator(source)
     marks: list[tuple[str, float, float]] = []
     for line in source.head[1:]:
-        cells = sniff.split(line, separator)
+        cells = _cell.split(line, separator)
         if len(cells) > 2 and cells[0] in ("START", "PAUSE"):
             values = [_cell.number(cell.replace(",", ".")) for cell in cells[1:3]]
             if values[0] is not None and values[1] is not None:

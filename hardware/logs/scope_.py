@@ -125,7 +125,7 @@ def _layout(label: str, lines: Sequence[str], first: int, names: Sequence[tuple[
             separator: str = ",") -> Layout:  # fmt: skip
     """Rows of numbers from a line on (counted from 0)."""
     rows = [
-        (i + 1, sniff.split(line, separator))
+        (i + 1, _cell.split(line, separator))
         for i, line in enumerate(lines[: first + 300])
         if i >= first and line.strip()
     ]
@@ -141,14 +141,14 @@ def _padded(cells: Sequence[str], width: int) -> list[str]:
 
 def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
     """``X,CH1,Start,Increment`` and below it ``Sequence,Volt,-0.1,1e-6``; X may be missing."""
-    head = [cell.strip() for cell in sniff.split(lines[0], ",")] if lines else []
+    head = [cell.strip() for cell in _cell.split(lines[0], ",")] if lines else []
     while head and not head[-1]:
         head.pop()
     if len(head) < 3 or head[-2:] != ["Start", "Increment"]:
         return None
     if not all(re.fullmatch(r"X|CH\d|MATH\d?|D\d+(-D\d+)?|REF\d*", name) for name in head[:-2]):
         return None
-    below = [cell.strip() for cell in sniff.split(lines[1], ",")] if len(lines) > 1 else []
+    below = [cell.strip() for cell in _cell.split(lines[1], ",")] if len(lines) > 1 else []
     at = head.index("Increment")
     start, step = (_cell.number(c) for c in (_padded(below, at + 1))[at - 1 : at + 1])
     if start is None or step is None or not step > 0:
@@ -166,14 +166,14 @@ def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
 
 def _settings_beside(label: str, lines: Sequence[str]) -> Plan | None:
     """Tektronix: settings in the left columns, time and value in the fourth and fifth."""
-    first = sniff.split(lines[0], ",") if lines else []
+    first = _cell.split(lines[0], ",") if lines else []
     if len(first) < 5 or first[0].strip().lower() != "record length":
         return None
     if any(_cell.number(cell) is None or not cell.strip() for cell in first[3:5]):
         return None
     about: dict[str, str] = {}
     for line in lines[:40]:
-        cells = [cell.strip() for cell in sniff.split(line, ",")]
+        cells = [cell.strip() for cell in _cell.split(line, ",")]
         if cells and cells[0]:
             about[cells[0]] = " ".join(cell for cell in cells[1:3] if cell)
     low = {key.lower(): value for key, value in about.items()}
@@ -192,7 +192,7 @@ def _keyed(label: str, lines: Sequence[str]) -> Plan | None:
     """Tektronix, Siglent: lines ``key,value``, then ``TIME,CH1`` or ``Second,Volt``."""
     keys = 0
     for i, line in enumerate(lines[:60]):
-        cells = [cell.strip() for cell in sniff.split(line.lstrip("#"), ",")]
+        cells = [cell.strip() for cell in _cell.split(line.lstrip("#"), ",")]
         key = cells[0].lower() if cells else ""
         if keys >= 3 and re.fullmatch(r"time|second|time ?\(s\)", key) and len(cells) > 1:
             return _after_keys(label, lines, i, [cell for cell in cells if cell])
@@ -205,7 +205,7 @@ def _keyed(label: str, lines: Sequence[str]) -> Plan | None:
 def _after_keys(label: str, lines: Sequence[str], header: int, cells: Sequence[str]) -> Plan:
     about = {}
     for line in lines[:header]:
-        key, *values = (cell.strip() for cell in _padded(sniff.split(line.lstrip("#"), ","), 2))
+        key, *values = (cell.strip() for cell in _padded(_cell.split(line.lstrip("#"), ","), 2))
         if key and any(values):
             about[key] = ", ".join(value for value in values if value)
     low = {key.lower(): [v.strip() for v in value.split(",")] for key, value in about.items()}
@@ -228,7 +228,7 @@ def _keysight(label: str, lines: Sequence[str]) -> Plan | None:
     """``x-axis,1,2`` and below it ``second,Volt,Volt``."""
     if len(lines) < 2 or not lines[0].lower().startswith("x-axis"):
         return None
-    head, below = (sniff.split(line, ",") for line in lines[:2])
+    head, below = (_cell.split(line, ",") for line in lines[:2])
     names = [("time", unit(below[0]) if below else "")]
     for i, text in enumerate(head[1:], start=1):
         name = text.strip()
@@ -243,7 +243,7 @@ def _pico(label: str, lines: Sequence[str]) -> Plan | None:
     if len(lines) < 2 or "(" not in lines[1]:
         return None
     separator = max(",;\t", key=lines[1].count)
-    head, below = ([c.strip() for c in sniff.split(line, separator)] for line in lines[:2])
+    head, below = ([c.strip() for c in _cell.split(line, separator)] for line in lines[:2])
     while head and not head[-1]:
         head.pop()
     below = below[: len(head)]
@@ -260,7 +260,7 @@ def _pico(label: str, lines: Sequence[str]) -> Plan | None:
 
 def _schwarz(label: str, lines: Sequence[str]) -> Plan | None:
     """``in s,C1 in V,C2 in V``."""
-    cells = [cell.strip() for cell in sniff.split(lines[0], ",")] if lines else []
+    cells = [cell.strip() for cell in _cell.split(lines[0], ",")] if lines else []
     parts = [re.fullmatch(r"(.*?)\s?\bin (\S+)", cell) for cell in cells if cell]
     if len(parts) < 2 or not all(parts) or parts[0] is None or parts[0][1]:
         return None

@@ -103,25 +103,26 @@ def _separator(lines: Sequence[str], at: int) -> str:
     """What separates the header below the line of names, empty where there is no such header."""
     header = _line(lines, at + 1)
     for separator in "\t;, ":
-        cells = [cell.strip() for cell in sniff.split(header, separator)]
+        cells = [cell.strip() for cell in _cell.split(header, separator)]
         if len(cells) < 2 or cells[0] != "t":
             continue
-        names = [cell.strip() for cell in sniff.split(_line(lines, at), separator)]
+        names = [cell.strip() for cell in _cell.split(_line(lines, at), separator)]
         if separator == " ":
             names = [_line(lines, at).strip()]
         known = [bool(_VARIABLES.fullmatch(c)) for c in cells[1:] if c]
         # the line above holds names alone: no remark, no second header and no numbers
         named = any(names) and not any(_cell.number(n) is not None for n in names if n)
         named = named and not re.search(r"^\s*[#%]|[:=]", _line(lines, at))
-        if named and names[0] != "t" and known and (all(known) or sum(map(bool, names)) == 1):
+        one = separator != " " and sum(map(bool, names)) == 1
+        if named and names[0] != "t" and known and (all(known) or one):
             return separator
     return ""
 
 
 def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[Layout, list[str]]:
     """The layout of the rows, and the names of the tracks."""
-    above = [cell.strip() for cell in sniff.split(lines[at], separator)]
-    cells = [cell.strip() for cell in sniff.split(lines[at + 1], separator)]
+    above = [cell.strip() for cell in _cell.split(lines[at], separator)]
+    cells = [cell.strip() for cell in _cell.split(lines[at + 1], separator)]
     if separator == " ":
         above = [lines[at].strip()]
     while cells and not cells[-1]:
@@ -129,7 +130,7 @@ def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[
     tracks = [name for name in above if name]
     names = _named(above, cells, several=len(tracks) > 1)
     first = at + 2
-    rows = [(i + 1, sniff.split(lines[i], separator)) for i in range(first, len(lines))
+    rows = [(i + 1, _cell.split(lines[i], separator)) for i in range(first, len(lines))
             if lines[i].strip()][:500]  # fmt: skip
     if not rows:
         raise InputError(label, [f"line {first + 1}: no rows follow the header"])

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.errors import InputError, unknown_or_missing
-from simcompare.hardware.logs.text.sniff import split
+from simcompare.hardware.logs.text.cell import split
 from simcompare.hardware.recordings import bounce_headings, published
 from simcompare.hardware.recordings.bounce_headings import HEIGHT, Column
 from simcompare.model import user_file

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections.abc import Collection, Iterable, Sequence
@@ -50,6 +51,12 @@ _SUFFIXES = {
     "%": "%", "pct": "%", "percent": "%", "degF": "degF",
 }  # fmt: skip
 _SUFFIXED = re.compile(rf"(.+(?<!_per))_({'|'.join(sorted(_SUFFIXES, key=len, reverse=True))})")
+
+
+#: what remarks begin with
+COMMENTS = ("#", "%", "//", "!")
+_NMEA = re.compile(r"\$[A-Z]{2,3}[A-Z\d]{3},")
+_LIST = re.compile(r"[\[(]\s*[-+.\deE,;\s]*[\])]")
 
 
 def wanted_names(mapping: Mapping) -> set[str]:
@@ -102,6 +109,42 @@ def flags(cells: Iterable[str]) -> Array | None:
     if not all(word in values for word in words):
         return None
     return np.array([values[word] for word in words])
+
+
+def split(line: str, separator: str) -> list[str]:
+    """Cells of one line."""
+    if separator == " ":
+        return line.split()
+    if '"' not in line and "\r" not in line:  # far faster, and the usual case
+        return line.split(separator)
+    try:
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:
+        return [line]
+
+
+def kind_of(cell: str) -> str:
+    """What one cell holds."""
+    text = cell.strip()
+    if text in MISSING or dates.NEVER.fullmatch(text):
+        return "empty"
+    if any(number(text, d, t) is not None for d, t in ((".", ","), (",", "."))):
+        return "number"
+    if text.lower() in ("true", "false"):
+        return "flag"
+    if _LIST.fullmatch(text):
+        return "list"
+    return "date" if dates.looks_like_date(text) else "text"
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a remark."""
+    return line.lstrip().startswith(COMMENTS) or is_nmea(line)
+
+
+def is_nmea(line: str) -> bool:
+    """Whether a line is a sentence of a GPS among others."""
+    return line.startswith("$") and bool(_NMEA.match(line))
 
 
 def is_unit(text: str) -> bool:

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text import sniff
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.source import Part, Source, named
 from simcompare.model.recording import REPAIR, Repair
@@ -74,11 +73,11 @@ def _shared_header(
     rows = [line for line in lines if _kind(line, place) in usual]
     if sum(map(_has_number, rows)) < 0.5 * len(rows):
         return None
-    first = next((line for line in lines if not sniff.is_comment(line)), "")
+    first = next((line for line in lines if not _cell.is_comment(line)), "")
     if _kind(first, place) in usual:
         return ""
-    names = sniff.split(first, max(",;\t|", key=first.count))
-    if len(names) < 3 or any(sniff.kind_of(name) != "text" for name in names):
+    names = _cell.split(first, max(",;\t|", key=first.count))
+    if len(names) < 3 or any(_cell.kind_of(name) != "text" for name in names):
         return ""
     return first if place is _FIRST and _TOLD_BY.fullmatch(names[0].strip()) else None
 

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from simcompare.errors import InputError
+from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import sniff
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.sniff import Layout
@@ -125,7 +126,7 @@ def _table(source: Source, stretches: Sequence[_Stretch]) -> _Table | None:
 
 def _goes_on(stretch: _Stretch, layout: Layout) -> bool:
     """Whether more rows of a table stand in a stretch than anything else, or a few of them."""
-    rows = [sniff.split(line, layout.separator) for line in stretch.lines]
+    rows = [_cell.split(line, layout.separator) for line in stretch.lines]
     fitting = sum(sniff.fits(cells, layout.kinds) for cells in rows)
     return fitting >= min(_MIN_ROWS, len(rows))
 

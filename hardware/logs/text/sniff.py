@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections import Counter
 from collections.abc import Collection, Sequence
@@ -11,16 +10,14 @@ from itertools import islice
 
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text import groups
+from simcompare.hardware.logs.text import headers
 from simcompare.hardware.logs.text import source as _source
-from simcompare.hardware.logs.text.dates import NEVER, DateStyle, looks_like_date, style_of
+from simcompare.hardware.logs.text.cell import is_comment, kind_of, split
+from simcompare.hardware.logs.text.dates import DateStyle, style_of
 from simcompare.hardware.logs.text.marks import marks
 
 #: separators that are tried, the surest first; a blank stands for any run of them
 SEPARATORS = "\t;|, "
-COMMENTS = ("#", "%", "//", "!")
-_LIST = re.compile(r"[\[(]\s*[-+.\deE,;\s]*[\])]")
-_FLAGS = {"true": 1.0, "false": 0.0}
 _MAX_LINES = 1000
 
 
@@ -57,37 +54,6 @@ class Layout:
     styles: dict[int, DateStyle] = field(default_factory=dict)
     hollow: tuple[int, ...] = ()
     short_rows: bool = False
-
-
-def split(line: str, separator: str) -> list[str]:
-    """Cells of one line."""
-    if separator == " ":
-        return line.split()
-    if '"' not in line and "\r" not in line:  # far faster, and the usual case
-        return line.split(separator)
-    try:
-        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
-    except csv.Error:
-        return [line]
-
-
-def kind_of(cell: str) -> str:
-    """What one cell holds."""
-    text = cell.strip()
-    if text in _cell.MISSING or NEVER.fullmatch(text):
-        return "empty"
-    if any(_cell.number(text, d, t) is not None for d, t in ((".", ","), (",", "."))):
-        return "number"
-    if text.lower() in _FLAGS:
-        return "flag"
-    if _LIST.fullmatch(text):
-        return "list"
-    return "date" if looks_like_date(text) else "text"
-
-
-def is_comment(line: str) -> bool:
-    """Whether a line is a remark."""
-    return line.lstrip().startswith(COMMENTS)
 
 
 def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
@@ -127,30 +93,27 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
         )  # fmt: skip
     first = _with_bad_rows_above(first, rows, cells, kinds)
     kinds = _kinds([cells[i] for i in rows if i >= first and len(cells[i]) == width], width)
-    header, units_row = _header(source, lines, first, separator, kinds)
-    head_cells = _header_cells(lines[header], separator, width) if header is not None else []
-    below = _header_cells(lines[units_row], separator, width) if units_row is not None else []
-    if header is not None:
-        above = [_group_line(lines[i], separator, width) for i in range(header - 1, -1, -1)]
-        head_cells, below = groups.named(_wide(lines[header], separator, width), below, above)
-    names = _cell.headings((head_cells + [""] * width)[:width], below, keep)
     body = [(i + at, cells[i]) for i in rows if i >= first and len(cells[i]) == width]
+    header = headers.find(source, lines, first, separator, kinds, [row for _, row in body])
+    names = _cell.headings((header.names + [""] * width)[: width + header.more], header.units, keep)
+    top = first if header.line is None else header.line
     decimal, thousands, decided = marks(source.label, body, kinds, names)
     styles = {k: s for k in range(width) if kinds[k] == "date"
               for s in [style_of([row[k] for _, row in body])] if s}  # fmt: skip
     return Layout(
         separator,
         first + at,
-        tuple(_final(kinds, k, head_cells, styles) for k in range(width)),
+        (*(_final(kinds, k, header.names, styles) for k in range(width)), *["empty"] * header.more),
         tuple(names),
         decimal,
         thousands,
         decided,
-        "" if header is None else lines[header],
-        0 if header is None else header + at,
-        tuple(lines[: first if header is None else header]),
+        "" if header.line is None else lines[header.line],
+        0 if header.line is None else header.line + at,
+        tuple(lines[:top]),
         styles,
         tuple(k for k in range(width) if kinds[k] == "empty"),
+        bool(header.more),
     )
 
 
@@ -160,7 +123,7 @@ def _is_header_alone(cells: dict[int, list[str]], width: int) -> bool:
     texts = [cell.strip() for row in table for cell in row]
     return (
         width > 1
-        and (len(table) == 1 or (len(table) == 2 and _is_units_row(table[1], table[0])))
+        and (len(table) == 1 or (len(table) == 2 and headers.is_units_row(table[1], table[0])))
         and all(len(row) == width for row in table)
         and all(0 < len(text) <= 40 and kind_of(text) == "text" for text in texts)
     )
@@ -235,19 +198,6 @@ def _first(rows: Sequence[int], cells: dict[int, list[str]], kinds: Sequence[str
     return next((i for i, fits in zip(rows, fitting, strict=True) if fits), None)
 
 
-def _wide(line: str, separator: str, width: int) -> list[str]:
-    """Cells of a line of a header, as many as there are columns."""
-    cells = _header_cells(line, separator, width)
-    short = separator != " " and len(cells) < width
-    return cells + [""] * (width - len(cells)) if short else cells
-
-
-def _group_line(line: str, separator: str, width: int) -> list[str]:
-    """Cells of a line that may group columns; none where it is one remark."""
-    cells = _wide(line, separator, width)
-    return [] if is_comment(line) and sum(bool(cell.strip()) for cell in cells) < 2 else cells
-
-
 def _with_bad_rows_above(
     first: int, rows: Sequence[int], cells: dict[int, list[str]], kinds: Sequence[str]
 ) -> int:
@@ -259,60 +209,6 @@ def _with_bad_rows_above(
             return first
         first = i
     return first
-
-
-def _header_cells(line: str, separator: str, width: int) -> list[str]:
-    """Cells of a header, which may be a remark and may end with separators more or less."""
-    cells = split(line, separator)
-    if is_comment(line) and not line.lstrip().startswith("%time"):
-        cells = split(line.lstrip(" #%/!"), separator)
-    if separator == " " and len(cells) != width:
-        wide = re.split(r"\t+|\s{2,}|\s*[,;]\s*", line.strip(" #%/!\t"))
-        cells = wide if len(wide) == width else cells
-    while len(cells) > width and not cells[-1].strip():
-        cells.pop()
-    return groups.of_markers(cells, width)
-
-
-def _header(
-    source: _source.Source, lines: Sequence[str], first: int, separator: str, kinds: Sequence[str]
-) -> tuple[int | None, int | None]:
-    """Where the header is and where a row of units below it."""
-    width = len(kinds)
-    every = [i for i in range(first - 1, -1, -1) if lines[i].strip()]
-    cells = {i: _header_cells(lines[i], separator, width) for i in every[:50]}
-    # a remark is passed over unless it is the header itself
-    above = [i for i in cells if not is_comment(lines[i]) or len(cells[i]) == width > 1][:2]
-    if not above:
-        return None, None
-    heads = [cells[i] for i in above]
-    ends_empty = kinds[-1] == "empty"
-    fits = [len(cells) == width or (ends_empty and len(cells) == width - 1) for cells in heads]
-    if len(above) > 1 and all(fits) and _is_units_row(heads[0], heads[1]):
-        return above[1], above[0]
-    if fits[0]:
-        return above[0], None
-    if is_comment(lines[above[0]]) or len(heads[0]) < min(width, 2):
-        return None, None
-    at = above[0] + source.first
-    text = f"the header (line {at}) has {len(heads[0])} cells but the rows below have"
-    cure = "give every column one name"
-    if separator == "," and width == 2 * len(heads[0]):
-        cure = "the comma seems to be the decimal mark too; export again with another separator"
-    raise InputError(source.label, [f"{text} {width}; {cure}"])
-
-
-def _is_units_row(cells: Sequence[str], above: Sequence[str]) -> bool:
-    # channels may be counted, as in Frame,Sub Frame,1,2 above ,,V,V
-    named = any(kind_of(cell) == "text" for cell in above)
-    if not named or any(kind_of(cell) == "number" for cell in cells):
-        return False
-    plain = [cell.strip() for cell in cells]
-    bare = [text.strip("()[]{}<>") for text in plain]
-    bracketed = sum(text[0] in "([{<" for text in plain if text)
-    known = sum(_cell.is_unit(text) for text in bare)
-    full = sum(bool(text) for text in plain)
-    return full > 0 and (bracketed == full or known == full)
 
 
 def _final(

@@ -137,6 +137,7 @@ class State:
         words = {
             "blank_line": (INFO, "empty lines were passed over"),
             "comment_line": (INFO, "remarks between the rows were passed over"),
+            "nmea_line": (INFO, "sentences of a GPS (NMEA) between the rows were left out"),
             "remark_line": (REPAIR, "lines of words, without numbers, were passed over"),
             "ragged_row": (REPAIR, "rows with more or fewer cells than the others were left out"),
             "header_repeated": (REPAIR, "the header stands again between the rows; left out"),

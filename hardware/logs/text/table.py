@@ -15,7 +15,8 @@ from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import console
 from simcompare.hardware.logs.text import source as _source
-from simcompare.hardware.logs.text.sniff import COMMENTS, Layout, kind_of, split
+from simcompare.hardware.logs.text.cell import COMMENTS, is_nmea, kind_of, split
+from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.logs.text.state import Faults, State, Table
 from simcompare.hardware.logs.text.values import Values
 from simcompare.hardware.raw import RawColumn, Spool
@@ -150,6 +151,8 @@ class _Reader:
             return "header_repeated"
         if console.BOOT.match(bare):
             return "remark_line"
+        if is_nmea(bare):
+            return "nmea_line"
         return "comment_line" if bare.startswith(COMMENTS) else ""
 
     def _padded(self, cells: list[str]) -> list[str]:

@@ -17,7 +17,7 @@ from simcompare import units
 from simcompare.errors import InputError
 from simcompare.fitting.bounces.impacts import CLOCKED, INTERVALS, MAX_COUNT, TABLE, Impacts
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text.sniff import split
+from simcompare.hardware.logs.text.cell import split
 from simcompare.hardware.recordings import bounce_headings, bounce_table
 from simcompare.hardware.recordings.bounce_headings import HEIGHT, INSTANT, INTERVAL
 from simcompare.hardware.recordings.bounce_table import BounceTable, Quantity
