@@ -66,6 +66,7 @@ class Unfinished:
             made: that folder.
             parts: whether what was kept goes along, beside what others have laid there.
         """
+        whole.sweep(self.folder / PARTS)
         for path in self.folder.iterdir():
             is_left = not parts if path.name == PARTS else path.stem == "report"
             if is_left or (made / path.name).exists():
@@ -84,7 +85,7 @@ class Unfinished:
     def drop_empty(self) -> None:
         """Deletes the folder where nothing is in it."""
         with contextlib.suppress(OSError):
-            self.folder.rmdir()
+            _drop_empty(self.folder)
 
     def close(self) -> None:
         """Gives the lock back."""
@@ -174,9 +175,22 @@ def _inside(parts: Path) -> list[Path]:
 
 
 def _sweep(folder: Path) -> None:
-    """Deletes the empty folders that dead writers have reserved."""
+    """Deletes folders in which dead writers have kept nothing yet."""
     for path in folder.iterdir():
         if _STAMP.fullmatch(path.name) and path.is_dir() and not path.is_symlink():
             with contextlib.ExitStack() as held, contextlib.suppress(OSError):
-                if not any(path.iterdir()) and whole.lock(path, held):
-                    path.rmdir()
+                if {one.name for one in path.iterdir()} <= {PARTS} and whole.lock(path, held):
+                    _drop_empty(path)
+
+
+def _drop_empty(folder: Path) -> None:
+    """Deletes the folder of a run that keeps nothing.
+
+    Raises:
+        OSError: it does.
+    """
+    parts = folder / PARTS
+    if parts.is_dir():
+        whole.sweep(parts)
+        parts.rmdir()
+    folder.rmdir()
