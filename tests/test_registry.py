@@ -1,6 +1,7 @@
 """Public recordings: described fully, found where they are, fetched with their checksum."""
 
 import functools
+import gzip
 import hashlib
 import http.server
 import threading
@@ -93,6 +94,69 @@ def test_a_recording_is_fetched_once_and_checked(a_set, server, monkeypatch):
     assert found.read_bytes() == a_set
     (folder / "log.csv").unlink()
     assert registry.fetch("mine") == [found]
+
+
+class _Told(http.server.BaseHTTPRequestHandler):
+    """Answers with what the server was told."""
+
+    def do_GET(self):
+        status, headers, body = self.server.answer
+        self.send_response(status)
+        for name, value in headers.items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture
+def answering(monkeypatch):
+    pytest.importorskip("pooch", reason="pooch fetches recordings; it is in simcompare[hardware]")
+    with _Server(("127.0.0.1", 0), _Told) as found:
+        threading.Thread(target=found.serve_forever, daemon=True).start()
+        address = f"http://127.0.0.1:{found.server_address[1]}/log.csv"
+        monkeypatch.setattr(registry.DataSet, "url", lambda self, file: address)
+        yield found
+        found.shutdown()
+
+
+@pytest.mark.parametrize(
+    ("headers", "body", "told"),
+    [
+        ({"Content-Length": "12"}, b"t,x\n0", "was cut: 5 of 12 bytes came; try again"),
+        ({}, b"t,x\n0", "was cut: 5 of 12 bytes came; try again"),
+        ({}, b"0" * 10**6, "it has more than the 12 bytes that were registered"),
+        ({"Content-Encoding": "gzip"}, gzip.compress(b"0" * 10**7), "more than the 12 bytes"),
+        ({}, b"t,x\n0,1\n1,3\n", "cannot be fetched (SHA256 hash"),
+    ],
+)
+def test_what_is_not_the_registered_file_is_told_and_not_kept(
+    a_set, answering, tmp_path, headers, body, told
+):
+    answering.answer = 200, headers, body
+    with pytest.raises(OutputError) as fault:
+        registry.fetch("mine")
+    assert told in str(fault.value)
+    assert not [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
+
+
+@pytest.mark.parametrize("place", ["file:///etc/passwd", "ftp://127.0.0.1/log.csv"])
+def test_a_redirect_leads_to_the_web_alone(a_set, answering, place):
+    answering.answer = 302, {"Location": place}, b""
+    with pytest.raises(OutputError, match="leads to what is no web address"):
+        registry.fetch("mine")
+
+
+def test_a_damaged_file_of_the_cache_is_fetched_again(a_set, answering):
+    answering.answer = 200, {}, a_set
+    (found,) = registry.fetch("mine")
+    found.write_bytes(b"damaged")
+    with pytest.raises(InputError, match="cure: simcompare data fetch mine"):
+        registry.locate("mine")
+    assert registry.fetch("mine") == [found]
+    assert found.read_bytes() == a_set
 
 
 def test_without_a_network_it_is_said_what_to_do(a_set, monkeypatch, tmp_path):

@@ -16,7 +16,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from simcompare.errors import EngineMissing, InputError, OutputError, UnknownName
+from simcompare.errors import InputError, OutputError, UnknownName
 from simcompare.model.estimate_plan import RecordedPlan
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
@@ -162,13 +162,14 @@ def locate(name: str) -> list[Path]:
                 f" or name its folder in {FOLDER_VARIABLE}"
             ],
         )
+    cure = "" if folder == local_folder() else f"simcompare data fetch {name}"
     paths = [folder / file.local for file in data_set.files]
     for path, file in zip(paths, data_set.files, strict=True):
-        _check(path, file)
+        _check(path, file, cure or "put the registered file there")
     return paths
 
 
-def _check(path: Path, file: File) -> None:
+def _check(path: Path, file: File, cure: str) -> None:
     try:
         with path.open("rb") as stream:
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
@@ -179,7 +180,7 @@ def _check(path: Path, file: File) -> None:
             str(path),
             [
                 f"is not the registered file: SHA-256 {digest[:12]}…, expected"
-                f" {file.sha256[:12]}…; delete it and fetch it again"
+                f" {file.sha256[:12]}…; cure: {cure}"
             ],
         )
 
@@ -200,21 +201,23 @@ def check_names(names: Sequence[str]) -> None:
 
 
 def fetch(name: str) -> list[Path]:
-    """Fetches what is missing of a data set into the user's cache.
+    """Fetches what is missing or damaged of a data set into the user's cache.
 
     Raises:
         EngineMissing: pooch is not installed.
+        InputError: a file of the user's own folder is not the one that was registered.
         OutputError: a file cannot be fetched or has another content than was registered.
     """
-    if place(name) is not None:
-        return locate(name)
-    try:
-        import pooch
-    except ModuleNotFoundError:
-        cure = "pip install 'simcompare[hardware]'"
-        raise EngineMissing("the download of recordings", "pooch", cure) from None
+    folder = place(name)
+    if folder is not None:
+        try:
+            return locate(name)
+        except InputError:  # what is damaged in the cache is fetched again
+            if folder == local_folder():
+                raise
+    from simcompare.hardware.recordings import download
+
     data_set = get(name)
-    pooch.get_logger().setLevel("WARNING")
     paths = []
     for file in data_set.files:
         url = data_set.url(file)
@@ -224,26 +227,13 @@ def fetch(name: str) -> list[Path]:
                 f" it in {FOLDER_VARIABLE}"
             )
         target = cache_folder() / file.local
+        by_hand = (
+            f"download {url} elsewhere and put it at {target}, or let {FOLDER_VARIABLE} name a"
+            f" folder that holds {file.local}"
+        )
         try:
-            got = pooch.retrieve(url, f"sha256:{file.sha256}", target.name, target.parent)
-        # pooch and requests raise many kinds; each means that the file is not here
-        except Exception as error:  # noqa: BLE001
-            raise OutputError(f"{name}: {_not_fetched(error, url, file, target)}") from None
-        paths.append(Path(got))
+            download.fetch(url, target, file.sha256, file.size_bytes)
+        except OutputError as error:
+            raise OutputError(f"{name}: {error}; {by_hand}") from None
+        paths.append(target)
     return paths
-
-
-def _not_fetched(error: Exception, url: str, file: File, target: Path) -> str:
-    """Why a file is not here, and how it can be had all the same."""
-    host = url.partition("://")[2].partition("/")[0]
-    by_hand = (
-        f"download {url} elsewhere and put it at {target}, or let {FOLDER_VARIABLE} name a folder"
-        f" that holds {file.local}"
-    )
-    answer = getattr(error, "response", None)  # of the server, where one was reached
-    if answer is not None:
-        return f"{host} cannot be fetched from: it answers {answer.status_code}; {by_hand}"
-    if isinstance(error, OSError):
-        return f"{host} cannot be reached (no network?); {by_hand}"
-    reason = str(error).splitlines()[0][:80] if str(error) else type(error).__name__
-    return f"{url} cannot be fetched ({reason} …); {by_hand}"
