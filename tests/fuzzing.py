@@ -45,7 +45,7 @@ OUTCOMES = (
 )
 FAILURES = OUTCOMES[4:]
 #: memory that an import may take: so many times the file, beside what a small file needs
-TIMES, BASE_MB = 10, 64
+TIMES, BASE_MB = 10, 256
 #: address space beyond which a child's allocation fails: far above what is allowed
 SPACE_MB = 6000
 _ROOT = Path(__file__).parents[1]

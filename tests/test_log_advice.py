@@ -148,3 +148,10 @@ def test_runs_beside_each_other_are_streams_each_as_long_as_it_is(tmp_path, head
     assert (len(first.time_s), len(second.time_s)) == (60, 40)
     assert second.time_s[-1] == pytest.approx(39 * 0.06)
     assert [len(stream.channels) for stream in made.streams.values()] == [1, 1]
+
+
+def test_a_name_that_yaml_cannot_hold_is_told_without_a_line_for_it(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("a\x01b,c\n" + "".join(f"{i},{i % 5}\n" for i in range(50)))
+    with pytest.raises(InputError):
+        simcompare.import_log(path)

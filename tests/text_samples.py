@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 ROWS = 120
+_TEXTS = ("csv", "tracker", "librsf", "lvm", "scope", "json")
 STEP_S = 0.01
 START_NS = 1_700_000_000_000_000_000
 
@@ -44,7 +45,10 @@ class Log:
     @property
     def is_text(self) -> bool:
         """Whether it is one file of text."""
-        return self.format in ("csv", "tracker", "lvm", "scope", "json") or self.name == "phyphox"
+        return (
+            self.format in ("csv", "tracker", "librsf", "lvm", "scope", "json")
+            or self.name == "phyphox"
+        )
 
     def write(self, folder: Path, files: dict[str, bytes] | None = None) -> Path:
         """Puts it (or its mutation) into an empty folder; returns what is imported."""

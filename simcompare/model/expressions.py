@@ -104,6 +104,8 @@ def evaluate(text: str, names: Mapping[str, float]) -> float:
             number = float(value)
             if math.isfinite(number):
                 return number
+    except OverflowError:
+        raise ExpressionError(f"{shown} makes a number that is too large") from None
     # simpleeval raises many kinds; all mean the same here
     except Exception as error:  # noqa: BLE001
         raise ExpressionError(f"{shown} cannot be evaluated: {error!s:.300}") from None

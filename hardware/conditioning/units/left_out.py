@@ -75,7 +75,10 @@ def with_channels(fault: str, conversions: Iterable[Conversion]) -> str:
     line = _TIME_LINE.search(fault)
     if line is None:
         return fault
-    time = yaml.safe_load(line[0])["time"].get("column")
+    try:
+        time = yaml.safe_load(line[0])["time"].get("column")
+    except yaml.YAMLError:  # a name that YAML cannot hold, such as one with a null byte
+        return fault
     others = [one for one in conversions if one.raw != time]
     cures = list(dict.fromkeys(one.cure for one in others if one.cure.startswith("channels")))
     if not cures or any(one.channel for one in others):
