@@ -186,7 +186,7 @@ def test_the_start_is_read_off_the_flight():
 
 def test_a_replay_of_its_own_toss_is_not_off():
     toss = made()
-    (found,) = replay.errors_of(ROLES, "dart", [toss], {})
+    found = replay.Replay(ROLES, toss, {})(engines.get("dart")).errors
     assert found.position < 0.01
     assert found.rotation < 0.01
 
@@ -329,7 +329,8 @@ def test_rates_in_the_log_are_about_the_cubes_own_axes_and_velocities_lag_by_hal
 def test_real_tosses_land_nearer_than_published(engine):
     # 40 tosses of 428, with the friction and restitution that all engines agree on
     some, _ = tosses.split(real(), 40, 0, seed=2)
-    found = replay.errors_of(ROLES, engine, some, {"friction": 0.19, "restitution": 0.07})
+    values, backend = {"friction": 0.19, "restitution": 0.07}, engines.get(engine)
+    found = [replay.Replay(ROLES, toss, values)(backend).errors for toss in some]
     place = search.interval([one.position for one in found])
     turn = search.interval([one.rotation for one in found])
     assert place.interval95[1] < 23.74

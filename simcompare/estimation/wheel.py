@@ -20,11 +20,6 @@ def speed_from_rate(diameter_m: float, rate_rad_s: Number) -> Number:
     return diameter_m / 2 * rate_rad_s
 
 
-def speed_from_turns(diameter_m: float, turns_per_s: Number) -> Number:
-    """The same from revolutions per second, v = π·D·n [m/s]."""
-    return math.pi * diameter_m * turns_per_s
-
-
 def way_of_mark(diameter_m: float, marks: float) -> float:
     """Way between two of the marks of one turn [m]."""
     return math.pi * diameter_m / marks

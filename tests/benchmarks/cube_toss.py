@@ -16,8 +16,9 @@ import time
 
 import numpy as np
 
+from simcompare.engine import engines as backends
 from simcompare.fitting.tosses import engines, tosses
-from simcompare.fitting.tosses.replay import errors_of
+from simcompare.fitting.tosses.replay import Replay
 from simcompare.fitting.tosses.roles import roles_of
 from simcompare.fitting.tosses.search import interval
 from simcompare.fitting.tosses.setup import FITTED, SEED, Setup, of_recording
@@ -161,7 +162,8 @@ def main():
                     fitted(roles, engine, (train, held_out), names, which)
             if 0 in asked.unknowns:
                 # what the authors measured is what the scenario begins with
-                authors = errors_of(roles, engine, held_out, {})
+                backend = backends.get(engine)
+                authors = [Replay(roles, toss, {})(backend).errors for toss in held_out]
                 print(f"scale {which}, {engine}, as the authors measured: {told(authors)}")
 
 

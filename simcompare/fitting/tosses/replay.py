@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from simcompare.engine import engines
 from simcompare.engine.backend import Backend
 from simcompare.errors import InputError
 from simcompare.fitting.tosses.roles import TossRoles
@@ -86,15 +85,3 @@ def spacing_s(toss: Toss) -> float:
     if np.abs(gaps - spacing).max() > _EVEN * spacing:
         raise InputError(toss.name, ["its samples are not evenly spaced"])
     return spacing
-
-
-def errors_of(
-    roles: TossRoles,
-    engine: str,
-    tosses: Sequence[Toss],
-    values: Mapping[str, float],
-    settings: Settings = ALL_HELPS,
-) -> list[Errors]:
-    """Errors of all tosses in an engine that runs in this process."""
-    backend = engines.get(engine)
-    return [Replay(roles, toss, values, settings)(backend).errors for toss in tosses]
