@@ -41,6 +41,15 @@ def pytest_runtest_call(item):
         return (yield)
 
 
+@pytest.fixture(scope="session")
+def real():
+    """The folder of real recordings."""
+    folder = os.environ.get("SIMCOMPARE_DATA")
+    if not folder:
+        pytest.skip("SIMCOMPARE_DATA is not set: it names the folder of real recordings")
+    return Path(folder)
+
+
 #: a backend over the plain protocol, as somebody else's package would hold it; exact free fall
 ENGINE = """
 import os, sys, time

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import duckdb
 import numpy as np
 import pandas as pd
@@ -217,14 +214,6 @@ def test_changed_tables_give_a_typed_error_or_numbers(parquet):
 
 
 # --- the real recordings
-
-
-@pytest.fixture(scope="module")
-def real():
-    folder = os.environ.get("SIMCOMPARE_DATA")
-    if not folder:
-        pytest.skip("SIMCOMPARE_DATA is not set: it names the folder of real recordings")
-    return Path(folder)
 
 
 def test_the_real_inertial_recording_has_its_arrays(real):

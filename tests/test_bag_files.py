@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import sqlite3
 import struct
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -339,14 +337,6 @@ def test_a_definition_of_another_layout_is_refused_with_the_lengths(tmp_path):
 
 
 # --- the real fixtures
-
-
-@pytest.fixture(scope="module")
-def real():
-    folder = os.environ.get("SIMCOMPARE_DATA")
-    if not folder:
-        pytest.skip("SIMCOMPARE_DATA is not set: it names the folder of real recordings")
-    return Path(folder)
 
 
 @pytest.mark.parametrize("name", ["example.bag", "example-bz2.bag", "example-lz4.bag"])

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import struct
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -230,14 +228,6 @@ def test_a_file_changed_or_cut_anywhere_gives_a_typed_error_or_numbers(save):
 
 
 # --- the real recordings
-
-
-@pytest.fixture(scope="module")
-def real():
-    folder = os.environ.get("SIMCOMPARE_DATA")
-    if not folder:
-        pytest.skip("SIMCOMPARE_DATA is not set: it names the folder of real recordings")
-    return Path(folder)
 
 
 def test_the_real_pendulum_has_its_six_swings(real):

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import struct
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -323,14 +321,6 @@ def test_changed_tensors_give_a_typed_error_or_numbers(pt):
 
 
 # --- the real recordings
-
-
-@pytest.fixture(scope="module")
-def real():
-    folder = os.environ.get("SIMCOMPARE_DATA")
-    if not folder:
-        pytest.skip("SIMCOMPARE_DATA is not set: it names the folder of real recordings")
-    return Path(folder)
 
 
 def test_the_real_tosses_are_cut_into_their_428_streams(real):

@@ -13,6 +13,7 @@ from simcompare.hardware.conditioning.condition import condition
 from simcompare.hardware.logs import importers
 from simcompare.hardware.mapping import NOTHING
 from simcompare.model.recording import Provenance
+from tests.array_logs import faults, load
 
 nptdms = pytest.importorskip("nptdms")
 
@@ -34,17 +35,6 @@ def write(tmp_path):
         return path
 
     return save
-
-
-def load(path):
-    return importers.read(path, importers.recognise(path), NOTHING)
-
-
-def faults(path):
-    with pytest.raises(InputError) as error:
-        load(path)
-    assert path.name in str(error.value)
-    return " | ".join(error.value.faults)
 
 
 def wave(name, values, unit="V", **more):
