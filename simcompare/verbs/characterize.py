@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,8 @@ from simcompare.characterization.friction import FrictionQuestion
 from simcompare.characterization.joint import JointQuestion
 from simcompare.comparison.repeats import one_step_s, step_found, step_wanted
 from simcompare.engine import engines
-from simcompare.errors import BackendError, InputError, UnknownName
-from simcompare.model.settings import CONTACT_LEVELS, OLD_LEVELS
+from simcompare.errors import BackendError, InputError
+from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.reports.characterization import findings
 from simcompare.results import result_file, store
 from simcompare.results.records.characterization import Trial
@@ -24,6 +24,7 @@ from simcompare.results.run_record import now, software
 from simcompare.running.jobs import MISSING, Inquiry, Reply
 from simcompare.running.runner import TIME_LIMIT_S, Progress, check_time_limit, run_jobs
 from simcompare.verbs.characterized import Characterized
+from simcompare.verbs.levels import chosen_names
 from simcompare.verbs.notebook_line import with_line
 
 #: experiment -> the question that is asked at a contact level and a step
@@ -81,8 +82,8 @@ def characterize(
         OutputError: the folder cannot be written to.
     """
     engine = engines.listed(engine)
-    names = _chosen("experiment", experiments, EXPERIMENTS)
-    levels = _chosen("contact level", contact, CONTACT_LEVELS)
+    names = chosen_names("experiment", experiments, EXPERIMENTS)
+    levels = chosen_names("contact level", contact, CONTACT_LEVELS)
     step_s = _step_s(step)
     jobs = [
         Inquiry(one, EXPERIMENTS[name](level, step_s), f"{name} {level}")
@@ -102,23 +103,6 @@ def characterize(
         sentences=tuple(findings.sentences(answers, step_s)), answers=answers, software=software(),
     )  # fmt: skip
     return result if out is None else result_file.save(result, Path(out), "characterization", FILE)
-
-
-def _chosen(kind: str, asked: str | Sequence[str], known: Iterable[str]) -> list[str]:
-    """Names out of a text with commas or a list, each once.
-
-    Raises:
-        UnknownName: one of them does not exist, or there is none.
-    """
-    words = asked.split(",") if isinstance(asked, str) else asked
-    names = [OLD_LEVELS.get(word.strip(), word.strip()) for word in words]
-    known = list(known)
-    if "all" in names:
-        return known
-    for name in names or [""]:
-        if name not in known:
-            raise UnknownName(kind, name, known)
-    return list(dict.fromkeys(names))
 
 
 def _step_s(step: str | float) -> float:

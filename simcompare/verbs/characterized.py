@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from simcompare.errors import UnknownName
 from simcompare.reports.characterization import page, tables
-from simcompare.reports.render import frames, matplotlib_
+from simcompare.reports.render import frames
 from simcompare.reports.render.glance import Glance
-from simcompare.reports.render.shown import Shown
+from simcompare.reports.render.shown import Shown, plotted
 from simcompare.results.records.characterization import Characterization
 
 if TYPE_CHECKING:
@@ -45,11 +45,7 @@ class Characterized(Shown, Characterization):
         Raises:
             UnknownName: there is none of that name; names those that there are.
         """
-        known = {figure.name: figure for figure in page.block_of(self).figures}
-        chosen = next(iter(known), "") if name is None else name
-        if chosen not in known:
-            raise UnknownName("figure", chosen, known)
-        return matplotlib_.canvas(known[chosen])
+        return plotted(page.block_of(self).figures, name)
 
     def _glance(self) -> Glance:
         answer = page.block_of(self).parts[0]

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from simcompare.errors import UnknownName
 from simcompare.reports.estimation import chips, figures, page, tables
-from simcompare.reports.render import frames, matplotlib_
+from simcompare.reports.render import frames
 from simcompare.reports.render.glance import Glance
-from simcompare.reports.render.shown import Shown
+from simcompare.reports.render.shown import Shown, plotted
 from simcompare.results.records.estimation import Estimation
 
 if TYPE_CHECKING:
@@ -38,11 +37,7 @@ class Estimated(Shown, Estimation):
         Raises:
             UnknownName: there is none of that name; names those that there are.
         """
-        known = {figure.name: figure for figure in figures.figures(self)}
-        chosen = next(iter(known), "") if name is None else name
-        if chosen not in known:
-            raise UnknownName("figure", chosen, known)
-        return matplotlib_.canvas(known[chosen])
+        return plotted(figures.figures(self), name)
 
     def _glance(self) -> Glance:
         place = "" if self.folder is None else f". Stored in {self.folder}"

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from simcompare.arguments import checked
-from simcompare.errors import UnknownName
 from simcompare.gauging import gauge as gauging
 from simcompare.gauging import registry
 from simcompare.gauging.gauge import Outcome, Row
@@ -15,6 +14,7 @@ from simcompare.reports.gauge import figures, tables, words
 from simcompare.reports.render import matplotlib_
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
+from simcompare.verbs.levels import chosen_names
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,12 +83,4 @@ def gauge(examples: str | Sequence[str] = "all") -> Gauged:
     Raises:
         UnknownName: no such example.
     """
-    asked = examples.split(",") if isinstance(examples, str) else list(examples)
-    known = registry.names()
-    names = list(dict.fromkeys(name.strip() for name in asked))
-    if "all" in names:
-        return Gauged(gauging.gauged(known))
-    for name in names or [""]:
-        if name not in known:
-            raise UnknownName("worked example", name, known)
-    return Gauged(gauging.gauged(names))
+    return Gauged(gauging.gauged(chosen_names("worked example", examples, registry.names())))

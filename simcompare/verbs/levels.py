@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,21 @@ def names(listed: str | Sequence[str]) -> tuple[str, ...]:
     return tuple(
         part.strip() for part in (listed.split(",") if isinstance(listed, str) else listed)
     )
+
+
+def chosen_names(kind: str, asked: str | Sequence[str], known: Iterable[str]) -> list[str]:
+    """Names out of a text with commas or a list, each once; all of them for "all".
+
+    Raises:
+        UnknownName: one of them does not exist, or there is none.
+    """
+    wanted, known = [OLD_LEVELS.get(name, name) for name in names(asked)], list(known)
+    if "all" in wanted:
+        return known
+    for name in wanted or [""]:
+        if name not in known:
+            raise UnknownName(kind, name, known)
+    return list(dict.fromkeys(wanted))
 
 
 def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
