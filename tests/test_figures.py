@@ -23,7 +23,7 @@ from simcompare.reports.render.figures import (
     spread,
 )
 from simcompare.reports.render.styles import Style, style_of
-from simcompare.reports.run import energy
+from simcompare.reports.run import motion_figures
 
 HEIGHT = Probe(observe="ball.position_m", component=2, label="height", unit="m")
 G = 9.80665
@@ -188,7 +188,7 @@ def test_also_a_narrow_axis_of_a_paper_has_three_numbers(limits):
 @pytest.mark.parametrize("step_s", [0.0005, 0.001, 0.01])
 def test_energy_of_free_flight_is_constant_and_falls_with_the_square_of_restitution(step_s):
     trajectory, impact_s = falling_ball(restitution=0.8, step_s=step_s, duration_s=1.0)
-    time_s, ratio = energy.relative(trajectory, HEIGHT, G)
+    time_s, ratio = motion_figures.relative(trajectory, HEIGHT, G)
     good = np.isfinite(ratio)
     assert ratio[good & (time_s < impact_s)] == pytest.approx(1.0, abs=1e-9)
     assert ratio[good & (time_s > impact_s)] == pytest.approx(0.64, abs=1e-6)
@@ -199,16 +199,18 @@ def test_energy_at_rest_is_shown_although_it_is_in_contact():
     time_s = np.linspace(0.0, 2.0, 2001)
     height = np.maximum(1 - G * time_s**2 / 2, 0.0)
     position = np.column_stack((height * 0, height * 0, height))
-    _, ratio = energy.relative(Trajectory("e", time_s, {"ball.position_m": position}), HEIGHT, G)
+    _, ratio = motion_figures.relative(
+        Trajectory("e", time_s, {"ball.position_m": position}), HEIGHT, G
+    )
     assert ratio[-1] == 0.0
 
 
 def test_energy_without_height_or_start_is_empty():
     trajectory, _ = falling_ball(duration_s=0.3)
     other = HEIGHT.model_copy(update={"observe": "cart.position_m"})
-    assert len(energy.relative(trajectory, other, G)[0]) == 0
+    assert len(motion_figures.relative(trajectory, other, G)[0]) == 0
     floor = HEIGHT.model_copy(update={"offset": -100.0})
-    assert len(energy.relative(trajectory, floor, G)[0]) == 0
+    assert len(motion_figures.relative(trajectory, floor, G)[0]) == 0
 
 
 # plotly

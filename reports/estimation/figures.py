@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from simcompare import units
-from simcompare.reports.estimation import chips, drift, drift_figure, units_of
+from simcompare.reports.estimation import chips, drift, units_of
 from simcompare.reports.estimation.words import lead_state
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitted_range
 from simcompare.reports.render.styles import TRUTH_STYLE, Style, numbered_style, style_of
@@ -26,7 +26,7 @@ def figures(result: Estimation) -> list[Figure]:
         return []
     first = result.done[0]
     if drift.known(result):
-        return [drift_figure.figure(result, drift.known(result)[0])]
+        return [drift.figure(result, drift.known(result)[0])]
     path = [_path(result, first)] if {"x_m", "y_m"} <= set(result.labels) else []
     asked = [one for one in (chips.figure(result),) if one is not None]
     return [*asked, lead(result, first), *path, *_over_time(result)]
@@ -43,7 +43,7 @@ def lead(result: Estimation, source: SourceEstimate) -> Figure:
     # the band at the start, where nothing is known yet, would flatten all else
     y_range = fitted_range(tuple(replace(one, u=None) for one in told), ())
     panels = [Panel(label, _TIME, f"{label} ({unit})", told, y_range=y_range)]
-    error = _error_panel(rows, best, state, label)
+    error = _error_panel(rows, best, state)
     caption = (
         f"{_whose(result, source)}. Bands are ± {_BAND:g} standard uncertainties"
         " as the filter states them: about 95 % of its errors should lie within."
@@ -80,7 +80,7 @@ def _banded(curve: Curve, style: Style, *, shaded: bool) -> Series:
     return Series(curve.way, x, y, style, u, shaded=shaded)
 
 
-def _error_panel(rows: list[Curve], best: str, state: str, label: str) -> Panel | None:
+def _error_panel(rows: list[Curve], best: str, state: str) -> Panel | None:
     """Error of the filter and of the smoother about 0, with the filter's band."""
     series = []
     own = next((one for one in rows if one.way == best), None)
@@ -108,7 +108,7 @@ def _error_panel(rows: list[Curve], best: str, state: str, label: str) -> Panel 
 def _path(result: Estimation, source: SourceEstimate) -> Figure:
     caption = f"{_whose(result, source)}."
     title = "The path as the sensors tell it"
-    return Figure("path", title, caption, (drift_figure.above(source),))
+    return Figure("path", title, caption, (drift.above(source),))
 
 
 def _whose(result: Estimation, source: SourceEstimate) -> str:

@@ -27,22 +27,31 @@ GIVEN = "as given"
 
 
 @dataclass(frozen=True)
-class Known:
-    """One input with what is known of it.
+class Input:
+    """One input that is uncertain.
 
     Attributes:
         name: of the parameter or quantity.
         stated: its uncertainty, as it was stated.
         reason: by what it was measured.
         unit: SI unit, "1" for a plain number.
-        distribution: about its best estimate [SI].
-        degrees_of_freedom: of its standard uncertainty.
     """
 
     name: str
     stated: str
     reason: str
     unit: str
+
+
+@dataclass(frozen=True)
+class Known(Input):
+    """The same with what is known of it.
+
+    Attributes:
+        distribution: about its best estimate [SI].
+        degrees_of_freedom: of its standard uncertainty.
+    """
+
     distribution: Distribution
     degrees_of_freedom: float = math.inf
 

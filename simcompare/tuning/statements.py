@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from types import ModuleType
 
+from simcompare.engine.backend import Backend
 from simcompare.engine.calibration.calibration import CannotCalibrate
+from simcompare.engine.calibration.edges import edge
 from simcompare.engine.calibration.engine_drops import Tunable
+from simcompare.engine.calibration.question import Question, on_the_kit
 from simcompare.model.audit import AuditRow
 from simcompare.model.settings import SPRING
 from simcompare.model.tuning import AtSpeed
 from simcompare.tuning.bench import STATED, Bench, Numbers
-from simcompare.tuning.nearest import nearest
 from simcompare.tuning.number_search import numbers_for
 from simcompare.tuning.ranges import speed_range, step_range
 from simcompare.tuning.request import Request
@@ -21,6 +23,8 @@ from simcompare.tuning.statement import Statement, Typed
 
 #: how the core calls what is set for a restitution
 _RESTITUTION = " restitution"
+#: how often the value is doubled or halved, and how often the way back is halved
+_FAR, _NEAR = 8, 4
 
 
 def statement_for(backend: Tunable, engine: ModuleType, request: Request) -> Statement:
@@ -137,3 +141,61 @@ def _with_nearest(bench: Bench, request: Request, error: CannotCalibrate) -> Can
         if found is not None:
             return CannotCalibrate(f"{error}; at {found:.3g} m/s it can be had")
     return error
+
+
+def nearest(can: Callable[[float], bool], start: float, factor: float) -> float | None:
+    """The nearest value on one side with which something can be had, to two or three digits.
+
+    Args:
+        can: whether it can be had with a value.
+        start: a value with which it cannot.
+        factor: by which the value is multiplied, 2 or 0.5.
+
+    Returns:
+        The value, ``None`` if none was found.
+    """
+    bad, good = start, start
+    for _ in range(_FAR):
+        good *= factor
+        if can(good):
+            break
+        bad = good
+    else:
+        return None
+    good = edge(can, good, bad, _NEAR)
+    for digits in (2, 3):  # as it is printed, and typed in
+        rounded = _rounded(good, digits, up=factor > 1)
+        if can(rounded):
+            return rounded
+    return None
+
+
+def _rounded(value: float, digits: int, *, up: bool) -> float:
+    unit = 10.0 ** (math.floor(math.log10(value)) + 1 - digits)
+    count = math.ceil(value / unit) if up else math.floor(value / unit)
+    return float(f"{count * unit:.{digits}g}")
+
+
+@dataclass(frozen=True)
+class StatementQuestion(Question[Statement]):
+    """Which numbers give a restitution, or the other way round.
+
+    Attributes:
+        request: what is asked.
+    """
+
+    kind = Statement
+    request: Request
+
+    def answer(self, backend: Backend) -> Statement:
+        """Finds it with drops in the engine.
+
+        Raises:
+            Unsupported: the engine cannot be asked.
+            CannotCalibrate: no numbers give it.
+        """
+        engine = on_the_kit(backend, ": its backend is not on the kit, so cannot be tuned")
+        try:
+            return statement_for(engine, engine.load(), self.request)
+        except CannotCalibrate as error:
+            raise error.of(backend.name) from None

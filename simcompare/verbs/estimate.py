@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from simcompare.arguments import checked
 from simcompare.comparison.repeats import one_step_s
 from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
 from simcompare.estimation import estimators, measuring
-from simcompare.estimation.estimate import Estimate
+from simcompare.estimation.estimate import Estimate, Given
 from simcompare.estimation.estimators import Estimator
+from simcompare.estimation.joint_angle_study import Feasibility
 from simcompare.hardware.sensors.device import Device
 from simcompare.model.estimate_plan import EstimatePlan
 from simcompare.model.scenario import Scenario
@@ -22,7 +25,7 @@ from simcompare.results.records.estimation import SourceEstimate
 from simcompare.running.jobs import Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenarios import catalogue
-from simcompare.verbs import estimate_recorded, estimate_study, estimating
+from simcompare.verbs import estimate_recorded, estimating
 from simcompare.verbs import estimate_request as requests
 from simcompare.verbs.estimate_request import EstimateRequest
 from simcompare.verbs.estimated import Estimated
@@ -129,7 +132,7 @@ def estimate(
     scene = file.resolve(file.read_settings(set or {}), preset=preset, step_s=step_s)
     chips, sensors = requests.chips_of(sensors)
     asked = _asked(scene, estimator, requests.sheets_of(sensors), options or {}, draws, seed)
-    asked = replace(asked, chips=estimate_study.chips_of(asked.estimator, chips))
+    asked = replace(asked, chips=_chips(asked.estimator, chips))
     if out is not None:
         store.check_writable(Path(out))
     jobs = [Job(name, scene, Settings(contact)) for name in chosen]
@@ -187,10 +190,40 @@ def _of_engine(asked: _Asked, outcome: Outcome) -> SourceEstimate:
     return replace(
         found,
         notes=(*outcome.trajectory.notes, *found.notes),
-        chips=estimate_study.of(asked.estimator, ideal, asked.chips, asked.draws, asked.seed),
+        chips=_study(asked.estimator, ideal, asked.chips, asked.draws, asked.seed),
     )
 
 
 def _stored(found: Estimated, out: str | Path | None) -> Estimated:
     name = f"{found.scenario}-{found.estimator}"
     return found if out is None else result_file.save(found, Path(out), name, FILE)
+
+
+def _chips(estimator: Estimator, asked: tuple[str, ...]) -> tuple[str, ...]:
+    """The chips that are asked for; all that can serve where none is.
+
+    Raises:
+        InputError: this estimator has no study of chips.
+    """
+    if estimator.study:
+        return asked or tuple(_module(estimator).with_accelerometer())
+    if asked:
+        fault = f"{asked[0]!r} is not of the form sensor=sheet, such as imu={asked[0]}"
+        raise InputError("--sensors", [fault])
+    return ()
+
+
+def _study(
+    estimator: Estimator, ideal: Given, chips: tuple[str, ...], pairs: int, seed: int
+) -> tuple[Feasibility, ...]:
+    """What that many drawn pairs of devices of each chip would tell of one motion."""
+    if not estimator.study:
+        return ()
+    found: tuple[Feasibility, ...] = _module(estimator).of_given(
+        ideal, chips, pairs=pairs, seed=seed
+    )
+    return found
+
+
+def _module(estimator: Estimator) -> Any:  # noqa: ANN401
+    return importlib.import_module(f"simcompare.estimation.{estimator.study}")

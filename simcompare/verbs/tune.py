@@ -18,9 +18,9 @@ from simcompare.model.settings import COEFFICIENTS, TUNED
 from simcompare.running.jobs import OK, UNSUPPORTED, Inquiry
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
 from simcompare.scenarios import catalogue
-from simcompare.tuning.question import StatementQuestion
 from simcompare.tuning.request import Request
 from simcompare.tuning.statement import Statement
+from simcompare.tuning.statements import StatementQuestion
 from simcompare.tuning.typed_numbers import check_numbers
 from simcompare.verbs import tune_arguments
 from simcompare.verbs.notebook_line import with_line

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from simcompare.propagation import formulas, inputs, quantities
-from simcompare.propagation.inputs import Known
+from simcompare.propagation import formulas, inputs
+from simcompare.propagation.inputs import Input, Known
 from simcompare.propagation.propagated import Asked
 from simcompare.reports.uncertainty.answer import words
-from simcompare.results.records.uncertainty import FORMULA, Input, Way
+from simcompare.results.records.uncertainty import FORMULA, Way
 from simcompare.results.run_record import now, software
 from simcompare.verbs.request import UncertaintyRequest
 from simcompare.verbs.uncertain import Uncertain
@@ -28,7 +28,7 @@ def of_formula(
             is uncertain.
     """
     formula = formulas.asked_of(request.of or "")
-    given = quantities.quantities_of(formula, request.set or {})
+    given = formulas.quantities_of(formula, request.set or {})
     known = inputs.of_formula(formula.names, given.values, given.units, stated, reasons)
     unit = formulas.unit_of(formula, given.values, given.units)
     found = formulas.propagated(formula, given.values, replace(asked, known=known))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from simcompare.propagation.inputs import Input
 from simcompare.propagation.propagated import Propagated
 from simcompare.results.records.run import Software
 from simcompare.running.jobs import OK, exit_code_of
@@ -13,23 +14,6 @@ from simcompare.running.jobs import OK, exit_code_of
 FORMAT = 1
 #: ways to a result that are no engines
 FORMULA, CLOSED_FORM = "formula", "closed form"
-
-
-@dataclass(frozen=True)
-class Input:
-    """One input that is uncertain.
-
-    Attributes:
-        name: of the parameter or quantity.
-        stated: its uncertainty, as it was stated.
-        reason: by what it was measured.
-        unit: SI unit, "1" for a plain number.
-    """
-
-    name: str
-    stated: str
-    reason: str
-    unit: str
 
 
 @dataclass(frozen=True)
