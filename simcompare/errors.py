@@ -131,7 +131,7 @@ class NoSuchFile(InputError):
 
     def __init__(self, path: str | Path, expected: str = "") -> None:
         folder = Path(path).parent
-        if _exists(Path(path)):
+        if exists(Path(path)):
             fault = "is a folder" if Path(path).is_dir() else "is a file"
         elif not folder.is_dir():
             fault = f"there is no folder {folder}"
@@ -144,7 +144,7 @@ class NoSuchFile(InputError):
 
 def unknown_or_missing(kind: str, name: str, known: Iterable[str]) -> SimcompareError:
     """The error for what is neither a known name nor a file, whichever of both was meant."""
-    if _is_path(name) and not _exists(Path(name)):
+    if _is_path(name) and not exists(Path(name)):
         return NoSuchFile(name)
     return UnknownName(kind, name, known)
 
@@ -154,7 +154,8 @@ def _is_path(name: str) -> bool:
     return os.sep in name or name.startswith((".", "~")) or bool(_ENDING.search(name))
 
 
-def _exists(path: Path) -> bool:
+def exists(path: Path) -> bool:
+    """Whether a path leads to something; a name that no file system takes does not."""
     try:
         return path.exists()
     except OSError:  # a name too long for the file system

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from simcompare.characterization.behaviour import BounceBehaviour, StepLimits
 from simcompare.characterization.bounce import OFF, BounceQuestion
 from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
+from simcompare.notation import capital
 from simcompare.reports.characterization.words import (
     HEADS,
     amounts,
-    capital,
     milli,
     percent,
     rounded,

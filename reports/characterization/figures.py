@@ -18,6 +18,7 @@ from simcompare.characterization.behaviour import (
 )
 from simcompare.characterization.force import CASES
 from simcompare.characterization.friction import LOAD
+from simcompare.notation import capital
 from simcompare.reports.characterization.curves import (
     LEVELS,
     STEP,
@@ -26,7 +27,7 @@ from simcompare.reports.characterization.curves import (
     series_of,
     wanted,
 )
-from simcompare.reports.characterization.words import by_engine, capital
+from simcompare.reports.characterization.words import by_engine
 from simcompare.reports.render.figures import Band, Figure, Panel, Series, fitted_range
 from simcompare.results.records.characterization import Characterization
 

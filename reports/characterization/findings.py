@@ -14,12 +14,12 @@ from simcompare.characterization.behaviour import (
 from simcompare.characterization.force import CASES
 from simcompare.characterization.friction import LOAD, SIZE_M
 from simcompare.model.settings import CONTACT_LEVELS, TUNED
+from simcompare.notation import capital
 from simcompare.reports.characterization import bounce_findings
 from simcompare.reports.characterization.words import (
     HEADS,
     amounts,
     by_engine,
-    capital,
     milli,
     percent,
     signed,

@@ -61,8 +61,3 @@ def signed(part: float) -> str:
 def milli(value: float, unit: str) -> str:
     """A number in thousandths of a unit."""
     return f"{rounded(1e3 * value)} m{unit}"
-
-
-def capital(text: str) -> str:
-    """The same with a capital at its start."""
-    return text[:1].upper() + text[1:]

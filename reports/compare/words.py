@@ -39,7 +39,7 @@ def title(compared: Compared) -> str:
 def short(compared: Compared, measure: str) -> tuple[str, ...]:
     """In how many runs each engine meets the tolerance of a measure, level by level."""
     found = ((level, _counts(compared, measure, level)) for level in _judged_levels(compared))
-    return tuple(_met(compared, measure, level, counts) for level, counts in found if counts)
+    return tuple(_met(measure, level, counts) for level, counts in found if counts)
 
 
 def key_numbers(compared: Compared, measure: str) -> tuple[KeyNumber, ...]:
@@ -77,7 +77,7 @@ def _counts(compared: Compared, measure: str, level: str) -> dict[str, Count]:
     return counts
 
 
-def _met(compared: Compared, measure: str, level: str, counts: Mapping[str, Count]) -> str:
+def _met(measure: str, level: str, counts: Mapping[str, Count]) -> str:
     pairs = ((count, name) for name, count in counts.items())
     groups = sorted(grouped(pairs).items(), key=lambda group: len(group[1]))
     *most, (count, last) = groups

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from simcompare.reports.characterization.words import capital
+from simcompare.notation import capital
 from simcompare.reports.estimation import drift, units_of
 from simcompare.reports.estimation.words import lead_state, leading, ways_of
 from simcompare.reports.render import numbers

@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from simcompare import units
 from simcompare.estimation.consistency import Verdict
-from simcompare.reports.characterization.words import capital, rounded
+from simcompare.notation import capital
+from simcompare.reports.characterization.words import rounded
 from simcompare.reports.estimation import chips, drift, units_of
 from simcompare.reports.run.listing import joined
 from simcompare.results.records.estimation import Estimation, Reading, SourceEstimate

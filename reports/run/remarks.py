@@ -95,7 +95,7 @@ def _missed(run: Run, mode: str) -> str:
         all_are = _ALL.get(len(judged), f"all {len(judged)} judged values are")
         phrases = [f"{all_are} right in {engines(complete, every)}"]
     phrases += [
-        f"{_words(run, measures)} could not be measured in {engines(names, every)}"
+        f"{_words(measures)} could not be measured in {engines(names, every)}"
         for names, measures in lost.items()
     ]
     phrases += [_met(run, name, mode, left) for name, left in unmeasured.items()]
@@ -114,7 +114,7 @@ def _by_names(
     return dict(sorted(by_names.items(), key=lambda item: -len(item[0])))
 
 
-def _words(run: Run, measures: Sequence[str]) -> str:
+def _words(measures: Sequence[str]) -> str:
     return joined([runs.measure_words(measure) for measure in measures])
 
 
@@ -122,7 +122,7 @@ def _off(
     run: Run, measures: Sequence[str], names: Sequence[str], every: Sequence[str], far: Score | None
 ) -> str:
     """Measures that the same engines miss, and the farthest value where it is among them."""
-    text = f"{_words(run, measures)} in {engines(names, every)}"
+    text = f"{_words(measures)} in {engines(names, every)}"
     if far is None or far.measure not in measures or far.source not in names:
         return text
     off = numbers.with_u(

@@ -104,13 +104,11 @@ def of_devices(found: SensorReading) -> Table:
         Column("Non-linearity (% of full scale)"), Column("Sensitivity with temperature (%/K)"),
         Column(f"Offset with temperature ({unit}/K)"),
     )  # fmt: skip
-    rows = tuple(
-        row for number, one in enumerate(found.devices) for row in _device(found, number, one)
-    )
+    rows = tuple(row for number, one in enumerate(found.devices) for row in _device(number, one))
     return Table("Drawn devices", columns, (Group("", rows),))
 
 
-def _device(found: SensorReading, number: int, one: DeviceRow) -> list[tuple[str, ...]]:
+def _device(number: int, one: DeviceRow) -> list[tuple[str, ...]]:
     axes = "xyz"[: len(one.offset)]
     names = axes if len(axes) > 1 else "–"
     rows: list[tuple[str, ...]] = []

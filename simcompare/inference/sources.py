@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from simcompare.errors import unknown_or_missing
+from simcompare.errors import exists, unknown_or_missing
 from simcompare.hardware import mapping as mappings
 from simcompare.hardware import reading_process
 from simcompare.hardware.recordings import registry
@@ -55,7 +55,7 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
     path = Path(name)
     if name in registry.files() and not recording_store.is_recording(path):
         return _public(name, reading, plans, strict)
-    if not _exists(path):
+    if not exists(path):
         kind = "recording (public data set, stored recording, or log)"
         raise unknown_or_missing(kind, name, registry.files())
     if recording_store.is_recording(path):
@@ -63,13 +63,6 @@ def find(name: str, *, mapping: str | Path | None = None, strict: bool = False) 
     else:
         recording = reading_process.read(path, reading or mappings.NOTHING, strict=strict)
     return Source(name, recording, plans, {}, () if reading is None else reading.estimate)
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except OSError:  # a name too long for the file system
-        return False
 
 
 def _public(name: str, reading: mappings.Mapping | None, plans: Entries, strict: bool) -> Source:
