@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from simcompare.fitting.bounces import bounce_models, one_number
+from simcompare.fitting.bounces import one_number
 from simcompare.fitting.bounces.deviations import (
     Deviation,
     RunDeviation,
@@ -164,7 +164,7 @@ def _in_data(problem: Problem, x: Array, external: Sequence[Deviation]) -> Array
     parts = []
     for drop, (impacts, deviation) in enumerate(zip(problem.drops, external, strict=True)):
         values = problem.values(x, drop)
-        closed = bounce_models.bounces(problem.model, values, impacts.count)
+        closed = problem.bounces(x, drop, impacts.count)
         engine = engine_bounces(closed, deviation)
         for block in problem.blocks:
             if block.drop == drop:
@@ -221,6 +221,6 @@ def _residuals_s(problem: Problem, x: Array, engine: _Shown, drop: int) -> tuple
     impacts = problem.drops[drop]
     if not len(impacts.times_s):
         return ()
-    closed = bounce_models.bounces(problem.model, problem.values(x, drop), impacts.count)
+    closed = problem.bounces(x, drop, impacts.count)
     simulated = closed.impact_s + engine.bouncing[drop].late_s
     return tuple((impacts.times_s - simulated[np.array(impacts.numbers) - 1]).tolist())

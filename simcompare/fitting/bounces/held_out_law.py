@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -83,24 +83,42 @@ def of_law(
 def _u_of_kept(
     best: Fit, drop: Impacts, names: list[str], single: Mapping[str, float], value: float
 ) -> float:
-    """What all that was fitted before contributes to e_held - e_fitted, with its covariance.
+    """What all that was fitted before contributes to e_held - e_fitted.
 
     The fitted restitution enters with -1; every other unknown that was kept, such as an exponent or
     a terminal speed, by how far the restitution of the held-out drop follows it.
     """
-    slopes = np.zeros(len(best.names))
-    for k, name in enumerate(best.names):
-        if base(name) in OF_A_DROP or not math.isfinite(best.values[k]) or not best.u[k] > 0:
-            continue
+
+    def moved(name: str, step: float) -> Array:
         if name == "restitution":
-            slopes[k] = -1.0
-            continue
-        step = 0.1 * float(best.u[k])
-        moved = {**single, base(name): float(best.values[k]) + step}
-        again = fit(drop, best.model, unknowns=names, fixed=moved, profiles=False)
-        slopes[k] = (again.as_dict()["restitution"] - value) / step
+            return np.array([-step])
+        again = _fit_with(best, drop, names, single, name, step)
+        return np.array([again.as_dict()["restitution"] - value])
+
+    return float(_u_through(best, OF_A_DROP, moved, 1)[0])
+
+
+def _fit_with(
+    best: Fit, drop: Impacts, names: list[str], held: Mapping[str, float], name: str, step: float
+) -> Fit:
+    """A drop fitted with one of the unknowns that are held moved by a step."""
+    value = float(best.values[best.names.index(name)])
+    fixed = {**held, base(name): value + step}
+    return fit(drop, best.model, unknowns=names, fixed=fixed, profiles=False)
+
+
+def _u_through(
+    best: Fit, apart: Sequence[str], moved: Callable[[str, float], Array], count: int
+) -> Array:
+    """Uncertainty (count,) of what moves with all that was fitted before, with its covariance."""
+    slopes = np.zeros((len(best.names), count))
+    for k, name in enumerate(best.names):
+        if base(name) not in apart and math.isfinite(best.values[k]) and best.u[k] > 0:
+            step = 0.1 * float(best.u[k])
+            slopes[k] = moved(name, step) / step
     covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
-    return math.sqrt(max(0.0, float(slopes @ covariance @ slopes)))
+    squares = np.einsum("kn,kl,ln->n", slopes, covariance, slopes)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
 
 def _heights(
@@ -115,19 +133,14 @@ def _heights(
     if not numbers:
         return ()
     central = _predicted_heights(drop, predicted, numbers)
-    # the uncertainty of everything that was fitted before, through the heights that it predicts
-    slopes = np.zeros((len(best.names), len(numbers)))
     # heights of flights go with gravity and clock, measured and predicted alike
     alike = (*OF_A_DROP, *(() if len(drop.heights_m) else OF_THE_RECORDING))
-    for k, name in enumerate(best.names):
-        if base(name) in alike or not math.isfinite(best.values[k]) or not best.u[k] > 0:
-            continue
-        step = 0.1 * float(best.u[k])
-        moved = {**settled, base(name): float(best.values[k]) + step}
-        again = fit(drop, best.model, unknowns=alone, fixed=moved, profiles=False)
-        slopes[k] = (_predicted_heights(drop, again, numbers) - central) / step
-    covariance = np.where(np.isfinite(best.covariance), best.covariance, 0.0)
-    own = np.sqrt(np.maximum(np.einsum("kn,kl,ln->n", slopes, covariance, slopes), 0.0))
+
+    def moved(name: str, step: float) -> Array:
+        again = _fit_with(best, drop, alone, settled, name, step)
+        return _predicted_heights(drop, again, numbers) - central
+
+    own = _u_through(best, alike, moved, len(numbers))
     found = []
     for n, *row in zip(numbers, measured, u, central, own, strict=True):
         m, u_m, p, u_p = map(float, row)
@@ -158,7 +171,7 @@ def _measured_heights(drop: Impacts, predicted: Fit) -> tuple[list[int], Array, 
 
 
 def _predicted_heights(drop: Impacts, predicted: Fit, numbers: Sequence[int]) -> Array:
-    shown = shown_of(predicted, max(numbers) + 1)
+    shown = predicted.problem.bounces(predicted.x, 0, max(numbers) + 1)
     at = np.array(numbers)
     if len(drop.heights_m):
         return np.asarray(np.ravel(shown.apex_m)[at], dtype=float)
@@ -168,8 +181,3 @@ def _predicted_heights(drop: Impacts, predicted: Fit, numbers: Sequence[int]) ->
 
 def _gravity(one: Fit) -> float:
     return float(one.problem.fixed.get("gravity_m_s2", bounce_models.GRAVITY))
-
-
-def shown_of(one: Fit, count: int) -> bounce_models.Bounces:
-    """So many bounces of the first drop of a fit."""
-    return bounce_models.bounces(one.problem.model, one.problem.values(one.x, 0), count)

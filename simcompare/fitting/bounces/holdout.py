@@ -11,7 +11,7 @@ import numpy as np
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
 from simcompare.fitting.bounces.averaging import Averaged
 from simcompare.fitting.bounces.engine_fit import EngineFit, TunedFit
-from simcompare.fitting.bounces.held_out_law import OfLaw, of_law, shown_of
+from simcompare.fitting.bounces.held_out_law import OfLaw, of_law
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.model.trajectory import Array
@@ -52,7 +52,8 @@ class Prediction:
     def apex_m(self) -> Array:
         """Heights of its apexes, the drop height first [m]."""
         count = self.drop.count
-        shown = [shown_of(one.predicted, count).apex_m for one in self.laws]
+        fits = [one.predicted for one in self.laws]
+        shown = [one.problem.bounces(one.x, 0, count).apex_m for one in fits]
         return np.asarray(sum(
             one.weight * np.ravel(apexes) for one, apexes in zip(self.laws, shown, strict=True)
         ))  # fmt: skip
@@ -161,7 +162,7 @@ def _assisted(one: EngineFit, closed: Prediction) -> EngineHoldout:
 
 def _mean_restitution(one: Fit) -> float:
     """Mean over the impacts of the first drop."""
-    return float(shown_of(one, one.problem.drops[0].count).restitution.mean())
+    return float(one.problem.bounces(one.x, 0, one.problem.drops[0].count).restitution.mean())
 
 
 def _tuned(one: TunedFit, place: int, closed: Prediction) -> EngineHoldout:

@@ -225,8 +225,7 @@ def shape(impacts: Impacts, model: str, count: int) -> tuple[Array, Array]:
     """Impact times 1 … count of the closed form that fits best, and the residuals' Jacobian."""
     problem = build([impacts], bounce_models.model_of(model))
     best = minimum(problem, initial_guess.of(problem))
-    values = problem.values(best.x[0], 0)
-    return bounce_models.bounces(problem.model, values, count).impact_s, best.jacobian[0]
+    return problem.bounces(best.x[0], 0, count).impact_s, best.jacobian[0]
 
 
 def minimise(
@@ -263,9 +262,14 @@ def _rms(problem: Problem, x: Array) -> dict[str, float]:
 
 
 def _speeds(problem: Problem, x: Array) -> tuple[float, float]:
-    speeds = []
-    for number, drop in enumerate(problem.drops):
-        values = problem.values(x, number)
-        found = bounce_models.bounces(problem.model, values, drop.rebounds).speed_m_s
-        speeds += [float(found.min()), float(found.max())]
+    speeds = speeds_of(problem, x)
     return min(speeds), max(speeds)
+
+
+def speeds_of(problem: Problem, x: Array) -> list[float]:
+    """Speeds of all impacts whose rebound was recorded [m/s]."""
+    return [
+        speed
+        for number, drop in enumerate(problem.drops)
+        for speed in np.ravel(problem.bounces(x, number, drop.rebounds).speed_m_s).tolist()
+    ]

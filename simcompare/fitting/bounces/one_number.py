@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simcompare.fitting.bounces import bounce_models
 from simcompare.fitting.bounces.bounce_models import MODELS
-from simcompare.fitting.bounces.likelihood import COVERAGE, Fit
+from simcompare.fitting.bounces.likelihood import COVERAGE, Fit, speeds_of
 from simcompare.fitting.bounces.problem import Problem
 from simcompare.fitting.bounces.unknowns import SPEED
 from simcompare.model.trajectory import Array
@@ -63,7 +62,7 @@ def nearest(best: Fit, law: Law, *, with_drag: bool = True) -> OneNumber:
         law: its restitution.
         with_drag: whether the scene can have drag.
     """
-    u = math.sqrt(float(np.mean([law(speed)[1] ** 2 for speed in _speeds(best)])))
+    u = math.sqrt(float(np.mean([law(speed)[1] ** 2 for speed in speeds_of(best.problem, best.x)])))
     problem, x = _constant(best, law(best.speeds_m_s[1])[0], with_drag)
     if best.problem.model.law == "constant" and with_drag:
         value = float(best.problem.values(best.x, 0)[RESTITUTION])
@@ -89,18 +88,14 @@ def restitutions(problem: Problem, x: Array, data: Array) -> Array:
 def with_engine(fit: Fit, value: float, u_engine: float) -> Fit:
     """The same with the restitution that an engine needs, and its own part of the uncertainty."""
     k = fit.names.index(RESTITUTION)
-    values, x, covariance = fit.values.copy(), fit.x.copy(), fit.covariance.copy()
-    internal, intervals = fit.internal_covariance.copy(), list(fit.intervals)
-    intervals[k] = _moved(intervals[k], float(values[k]), value, u_engine)
-    values[k] = x[k] = value
-    covariance[k, k] += u_engine**2
-    internal[k, k] += u_engine**2
-    return replace(fit, values=values, x=x, covariance=covariance, internal_covariance=internal,
-                   intervals=tuple(intervals))  # fmt: skip
+    own = np.zeros_like(fit.covariance)
+    own[k, k] = u_engine**2
+    ends = _moved(fit.intervals[k], float(fit.values[k]), value, u_engine)
+    return _put(fit, value, ends, fit.covariance + own, fit.internal_covariance + own)
 
 
 def _of(best: Fit, law: Law, value: float, u: float, with_drag: bool) -> OneNumber:
-    gaps = [law(speed)[0] - value for speed in _speeds(best)]
+    gaps = [law(speed)[0] - value for speed in speeds_of(best.problem, best.x)]
     misfit, most = math.sqrt(float(np.mean(np.square(gaps)))), float(np.max(np.abs(gaps)))
     whole = math.hypot(u, misfit)
     if best.problem.model.law == "constant" and with_drag:
@@ -121,9 +116,7 @@ def _told(fit: Fit, value: float, u: float) -> Fit:
         u, float(fit.u[k]), rel_tol=1e-6
     ):
         return fit
-    values, x, covariance = fit.values.copy(), fit.x.copy(), fit.covariance.copy()
-    internal, ends = fit.internal_covariance.copy(), list(fit.intervals)
-    values[k] = x[k] = value
+    covariance, internal = fit.covariance.copy(), fit.internal_covariance.copy()
     for matrix in (covariance, internal):
         old = math.sqrt(matrix[k, k]) if matrix[k, k] > 0 else math.inf
         # what correlates with the others is the law's own; the misfit is no error of theirs
@@ -131,9 +124,20 @@ def _told(fit: Fit, value: float, u: float) -> Fit:
         matrix[k, :] *= own / old
         matrix[:, k] *= own / old
         matrix[k, k] = u**2
-    ends[k] = value - COVERAGE * u, value + COVERAGE * u
+    ends = value - COVERAGE * u, value + COVERAGE * u
+    return _put(fit, value, ends, covariance, internal)
+
+
+def _put(
+    fit: Fit, value: float, ends: tuple[float, float], covariance: Array, internal: Array
+) -> Fit:
+    """The fit with that restitution, its interval, and these covariances."""
+    k = fit.names.index(RESTITUTION)
+    values, x, intervals = fit.values.copy(), fit.x.copy(), list(fit.intervals)
+    values[k] = x[k] = value
+    intervals[k] = ends
     return replace(fit, values=values, x=x, covariance=covariance, internal_covariance=internal,
-                   intervals=tuple(ends))  # fmt: skip
+                   intervals=tuple(intervals))  # fmt: skip
 
 
 def _rows(fit: Fit, best: Fit, names: tuple[str, ...], kept: list[int]) -> Fit:
@@ -171,16 +175,6 @@ def _constant(best: Fit, value: float, with_drag: bool) -> tuple[Problem, Array]
     known = dict(zip(problem.names, best.x.tolist(), strict=True))
     x = np.array([value if n == RESTITUTION else known[n] for n in names])
     return replace(problem, model=model, names=names, fixed=held, priors=priors), x
-
-
-def _speeds(best: Fit) -> list[float]:
-    """Speeds of all impacts whose rebound was recorded [m/s]."""
-    found: list[float] = []
-    for number, drop in enumerate(best.problem.drops):
-        values = best.problem.values(best.x, number)
-        shown = bounce_models.bounces(best.problem.model, values, drop.rebounds)
-        found += np.ravel(shown.speed_m_s).tolist()
-    return found
 
 
 def _moved(

@@ -35,7 +35,7 @@ def residuals(fit: Fit, shown: Sequence[Deviation] | None = None) -> tuple[Resid
     found = []
     for number, drop in enumerate(fit.problem.drops):
         values = fit.problem.values(fit.x, number)
-        closed = bounce_models.bounces(fit.problem.model, values, drop.count)
+        closed = fit.problem.bounces(fit.x, number, drop.count)
         ours = closed if shown is None else engine_bounces(closed, shown[number])
         if len(drop.times_s):
             residual = drop.times_s - ours.impact_s[np.array(drop.numbers) - 1]
@@ -66,7 +66,7 @@ def heights(fit: Fit, number: int) -> tuple[Array, Array]:
         number: of the drop, first is 0.
     """
     values = {**bounce_models.DEFAULTS, **fit.problem.values(fit.x, number)}
-    found = bounce_models.bounces(fit.problem.model, values, fit.problem.drops[number].count)
+    found = fit.problem.bounces(fit.x, number, fit.problem.drops[number].count)
     release, last = float(values["release_time_s"]), float(found.apex_s[-1])
     end = release + (1 + float(values["clock_skew"])) * last
     track = fit.problem.drops[number].track
@@ -99,8 +99,7 @@ def law_of(fit: Fit, told: Averaged) -> Law:
     both = [told.restitution_at(float(speed))[:2] for speed in speeds]
     impacts = []
     for number, drop in enumerate(fit.problem.drops):
-        values = fit.problem.values(fit.x, number)
-        found = bounce_models.bounces(fit.problem.model, values, drop.count)
+        found = fit.problem.bounces(fit.x, number, drop.count)
         impacts.append(_row_of(found.speed_m_s))
     return Law(
         _row_of(speeds), tuple(value for value, _ in both), tuple(u for _, u in both),
@@ -118,9 +117,7 @@ def measured_ratios(fit: Fit) -> tuple[Ratios, ...]:
         except InputError:
             numbers, values, u, how = _of_heights(drop)
         if len(numbers):
-            closed = bounce_models.bounces(
-                fit.problem.model, fit.problem.values(fit.x, number - 1), max(numbers) + 1
-            )
+            closed = fit.problem.bounces(fit.x, number - 1, max(numbers) + 1)
             times, heights = np.ravel(closed.impact_s), np.ravel(closed.apex_m)
             at = np.array(numbers)
             if how == "heights":

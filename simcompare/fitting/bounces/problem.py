@@ -9,7 +9,7 @@ import numpy as np
 
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import bounce_models, enough
-from simcompare.fitting.bounces.bounce_models import DEFAULTS, Model
+from simcompare.fitting.bounces.bounce_models import DEFAULTS, Bounces, Model
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.unknowns import (
     BOUNDS,
@@ -122,6 +122,10 @@ class Problem:
             if own_drop(name) in (None, drop):
                 found["drag_k" if base(name) == SPEED else base(name)] = x[..., k]
         return found
+
+    def bounces(self, x: Array, drop: int, count: int) -> Bounces:
+        """So many bounces of one drop for sets of internal numbers (…, p)."""
+        return bounce_models.bounces(self.model, self.values(x, drop), count)
 
     def predicted(self, x: Array) -> Array:
         """What would be measured (…, n)."""
@@ -275,7 +279,7 @@ def _whitening(covariance: Array) -> Array:
 def observed_in(
     block: Block,
     impacts: Impacts,
-    found: bounce_models.Bounces,
+    found: Bounces,
     values: Mapping[str, Array | float],
     shape: tuple[int, ...],
 ) -> Array:

@@ -261,7 +261,7 @@ def recorded_impacts(best: Fit, goal: TuningGoal, shown: Sequence[Deviation]) ->
     found = []
     for drop, deviations in enumerate(shown):
         values, count = best.problem.values(best.x, drop), len(deviations.restitution)
-        closed = bounce_models.bounces(best.problem.model, values, count)
+        closed = best.problem.bounces(best.x, drop, count)
         # what the engines are run with has one restitution; the measured ball may have another law
         plain = {**values, **NO_CLOCK}
         law_s = np.ravel(bounce_models.bounces(best.problem.model, plain, count).impact_s)

@@ -94,8 +94,7 @@ def _fastest(best: Fit) -> tuple[int, int, float]:
     lead, number, speed = 0, 1, 0.0
     for drop, impacts in enumerate(best.problem.drops):
         first = min(impacts.numbers, default=1)
-        values = best.problem.values(best.x, drop)
-        shown = bounce_models.bounces(best.problem.model, values, first)
+        shown = best.problem.bounces(best.x, drop, first)
         found = float(np.ravel(shown.speed_m_s)[first - 1])
         if found > speed:
             lead, number, speed = drop, first, found
