@@ -8,10 +8,9 @@ import pytest
 from scipy import stats
 
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import other_estimates, profile, records
+from simcompare.fitting.bounces import profile, ratios, records
 from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
-from simcompare.fitting.bounces.ratios import ratios
 from simcompare.fitting.bounces.reading import from_times
 from simcompare.fitting.bounces.tables import from_rebounds
 from simcompare.model.plain import plain
@@ -170,8 +169,8 @@ def test_vacuum_needs_no_drag_and_the_words_say_so():
 def test_ratios_of_flights_do_not_change_with_offset_and_rate_of_the_clock():
     drop = heard()
     moved = from_times(7.0 + (1 + 80e-6) * drop.times_s, 1e-4)[0]
-    assert ratios(moved).values == pytest.approx(ratios(drop).values, rel=1e-12)
-    assert ratios(moved).mean == pytest.approx(ratios(drop).mean, rel=1e-12)
+    assert ratios.ratios(moved).values == pytest.approx(ratios.ratios(drop).values, rel=1e-12)
+    assert ratios.ratios(moved).mean == pytest.approx(ratios.ratios(drop).mean, rel=1e-12)
     plain, fast = fit(drop).as_dict(), fit(moved).as_dict()
     assert fast["restitution"] == pytest.approx(plain["restitution"], rel=1e-7)
     # what the rate does change: the drop looks higher, by its square
@@ -179,17 +178,17 @@ def test_ratios_of_flights_do_not_change_with_offset_and_rate_of_the_clock():
 
 
 def test_ratios_have_the_uncertainty_of_flights_that_share_an_impact():
-    found = ratios(exact(7, TRUTH))
+    found = ratios.ratios(exact(7, TRUTH))
     flight = np.diff(times_of(TRUTH, 7))[:-1]
     assert found.u == pytest.approx(math.sqrt(2) * 1e-4 * math.sqrt(1 + E + E * E) / flight)
     assert found.values == pytest.approx([E] * 5)
 
 
 def test_ratios_that_rise_are_named_as_the_mark_of_drag():
-    row, *_ = other_estimates.of_drops([heard(IN_AIR)])
+    row, *_ = ratios.of_drops([heard(IN_AIR)])
     assert "rise by" in answer.trend(row)
     assert "drag" in answer.trend(row)
-    level, *_ = other_estimates.of_drops([exact(7, TRUTH)])
+    level, *_ = ratios.of_drops([exact(7, TRUTH)])
     assert "no trend" in answer.trend(level)
 
 

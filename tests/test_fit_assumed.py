@@ -21,8 +21,8 @@ from simcompare.fitting.bounces.unknowns import internal
 from simcompare.propagation import inputs
 from simcompare.reports.fit import budget as budget_words
 from simcompare.reports.fit import fits
-from simcompare.results.records.fit_budget import DATA
 from simcompare.results.records.fit_forms import Prior
+from simcompare.results.records.fit_parts import DATA
 from simcompare.scenarios import catalogue
 from simcompare.statistics.least_squares import covariance_of
 from tests.bounces import IN_AIR, TRUTH, filmed, heard, known_words, times_of

@@ -10,7 +10,7 @@ from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.validation import phrases
 from simcompare.results.records.fit_bounces import BouncesFit
-from simcompare.results.records.fit_budget import DATA, LAW, Budget
+from simcompare.results.records.fit_parts import DATA, LAW, Budget
 from simcompare.results.run import Run
 
 #: share of the squared uncertainty from which on a source is told

@@ -195,7 +195,7 @@ def value_words(row: Estimate | None, name: str = "") -> str:
 
 def interval(row: Ranged) -> tuple[float, float]:
     """The 95 % interval of a parameter; ends that the data leave open are infinite."""
-    low, high = row.limits
+    low, high = row.interval95 if isinstance(row, EngineParameter) else (row.low, row.high)
     return (-math.inf if low is None else low), (math.inf if high is None else high)
 
 

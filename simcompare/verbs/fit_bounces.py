@@ -11,16 +11,7 @@ from simcompare.engine import engines
 from simcompare.engine.assist import ALL, NONE
 from simcompare.engine.helps import known
 from simcompare.errors import InputError
-from simcompare.fitting.bounces import (
-    assumed,
-    drag_of_settings,
-    holdout,
-    limits,
-    meaning,
-    model_selection,
-    plot_data,
-    records,
-)
+from simcompare.fitting.bounces import assumed, holdout, limits, model_selection, plot_data, records
 from simcompare.fitting.bounces.assisted_fit import fit_engines
 from simcompare.fitting.bounces.averaging import Averaged, averaged
 from simcompare.fitting.bounces.bounce_models import GRAVITY as STANDARD
@@ -70,17 +61,7 @@ def fit_bounces(
 ) -> Result:
     """Fits a scenario to impacts and heights: a closed form first, then every engine.
 
-    Args:
-        file: a scenario that can be fitted by bounces.
-        request: what the user asked for; none of our helps where nothing is said.
-        time_limit_s: longest time for one simulation [s].
-        progress: called as simulations end.
-
-    Returns:
-        The run; ``record.fit`` holds what was found.
-
-    Raises:
-        InputError: every fault of the request or of a recording.
+    None of our helps is taken where the request names none.
     """
     helps = levels.chosen_helps(NONE if request.assist is None else request.assist, request.engine)
     given = given_of(file, request.set, request.preset)
@@ -98,7 +79,7 @@ def fit_bounces(
     reading = (request.mapping, request.u_time_s, gravity)
     drops = [drop for name in request.recordings for drop in drops_of(name, *reading)]
     held = [drop for name in request.hold_out for drop in drops_of(name, *reading)]
-    assumed.check_scale(drops, {"--fix": fixed, "--prior": stated})
+    limits.check_scale(drops, {"--fix": fixed, "--prior": stated})
     priors = {**assumed.of_recorder(drops, sought), **priors}
     priors = {name: prior for name, prior in priors.items() if name not in fixed}
     constraints = Constraints(sought, fixed, priors)
@@ -110,7 +91,7 @@ def fit_bounces(
         priors=constraints.priors,
     )
     laws = averaged(choice)
-    meaning.check(laws, roles)
+    limits.check_found(laws, roles)
     how = _How(engines.select(request.engine), helps, step_s, time_limit_s, progress)
     plain, found, predicted, wanted = _engines(roles, laws, held, constraints, how)
     start = plain.fit
@@ -120,7 +101,7 @@ def fit_bounces(
         records.Made(TUNED if how.tuned else ASSISTED, how.assist, wanted, scene),
     )  # fmt: skip
     if request.model == "auto":
-        against = drag_of_settings.excess(choice, constraints)
+        against = model_selection.drag_excess(choice, constraints)
         found_fit = replace(found_fit, choice=replace(found_fit.choice, drag_excess=against))
     height = next((row.value for name, row in found_fit.closed_form.parameters.items()
                    if base(name) == DROP_HEIGHT), None)  # fmt: skip

@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 
-from simcompare.errors import InputError
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.unknowns import CLOCK, SCALE
 from simcompare.results.records.fit_forms import Prior
@@ -32,19 +31,6 @@ FRAMES = Prior(
 LENGTHS = Prior(
     1.0, 1e-2 / math.sqrt(3), "a rod in the picture, 2 cm of 2 m nearer or farther: ±1 %"
 )
-
-
-def check_scale(drops: Sequence[Impacts], options: Mapping[str, Collection[str]]) -> None:
-    """Raises ``InputError`` where a scale is given by an option, but nothing was filmed."""
-    if any(drop.track is not None for drop in drops):
-        return
-    faults = [
-        f"{option} gives a scale, which is that of lengths in a video, and no recording is one;"
-        " leave it out"
-        for option, names in options.items() if SCALE in names
-    ]  # fmt: skip
-    if faults:
-        raise InputError("scale", faults)
 
 
 def of_recorder(drops: Sequence[Impacts], sought: Collection[str] = ()) -> Mapping[str, Prior]:

@@ -21,7 +21,7 @@ from simcompare.fitting.bounces.likelihood import Fit
 from simcompare.fitting.bounces.model_selection import Choice
 from simcompare.fitting.bounces.unknowns import SPEED, base, slope
 from simcompare.model.trajectory import Array
-from simcompare.results.records.fit_budget import DATA, LAW, Budget
+from simcompare.results.records.fit_parts import DATA, LAW, Budget
 
 #: a law -> value of a quantity and its slopes to the internal numbers (p,)
 Quantity = Callable[[Fit], tuple[float, Array]]

@@ -24,6 +24,7 @@ from simcompare.fitting.bounces.fit import fit
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.fitting.bounces.likelihood import COVERAGE, Fit, explained
 from simcompare.fitting.bounces.problem import usual
+from simcompare.fitting.bounces.request import Constraints
 from simcompare.fitting.bounces.unknowns import BOUNDS, SPEED, base
 from simcompare.results.records.fit_forms import Prior
 from simcompare.statistics import least_squares
@@ -227,3 +228,34 @@ def _likely(fit: Fit) -> float:
         return 0.0
     found = distribution.of_fit(fit)
     return found.part * math.exp(min(found.gain / 2, _MOST_GAIN))
+
+
+def drag_excess(choice: Choice, constraints: Constraints) -> float | None:
+    """By how much Akaike's criterion of the best law without drag is below that of the choice.
+
+    Where the restitution may depend on the speed, a slope takes up what a wrong drag of the
+    settings does, so that the drag itself is not pulled. Laws without drag then describe the data
+    better.
+
+    Args:
+        choice: what was chosen with the drag of the settings.
+        constraints: with which it was; ``None`` is returned where no drag was assumed.
+    """
+    prior = constraints.priors.get(SPEED)
+    if prior is None or not prior.reason:
+        return None
+    others = {name: one for name, one in constraints.priors.items() if name != SPEED}
+    try:
+        airless = compare(
+            choice.best.problem.drops, [name for name, one in MODELS.items() if not one.drag],
+            extra=constraints.extra, fixed=constraints.fixed, priors=others,
+        )  # fmt: skip
+    except InputError:
+        return None
+    both = [row.fit for row in (*choice.candidates, *airless.candidates)]
+    scatter, dof = scatter_of(both)
+    with_drag, without = (
+        min(candidate(row.model, row.fit, scatter, dof).aic
+            for row in one.candidates) for one in (choice, airless)
+    )  # fmt: skip
+    return with_drag - without

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from simcompare import units
-from simcompare.fitting.bounces import bounce_models, model_selection, other_estimates, plot_data
+from simcompare.fitting.bounces import bounce_models, model_selection, plot_data, ratios
 from simcompare.fitting.bounces.assisted_fit import AssistedFit
 from simcompare.fitting.bounces.averaging import Averaged, alone
 from simcompare.fitting.bounces.bootstrap import parametric
@@ -108,7 +108,7 @@ def of_fit(
         u_tuned_mean=_u_tuned_mean(sources, told), sources=sources,
         run_with=_run_with(roles, plain.fit, engines), holdout=predicted,
         budgets=budgets(choice, told),
-        other_estimates=tuple(other_estimates.of_drops(drops[0])),
+        other_estimates=tuple(ratios.of_drops(drops[0])),
         valid=Valid(
             best.speeds_m_s, made.scene.world.step_s, made.scene.world.engine_step_s
         ),
@@ -268,7 +268,7 @@ def _parameters(fit: Fit, form: Form, one: EngineFit) -> dict[str, EngineParamet
             continue
         told = row if is_own else form.parameters[name]
         found[name] = EngineParameter(
-            value=told.value, u=told.u, interval95=told.limits,
+            value=told.value, u=told.u, interval95=(told.low, told.high),
             unit=units.unit_of(name.partition("[")[0]), u_num=one.u_num.get(name, 0.0),
             whose=ENGINE if is_own else CLOSED_FORM, misfit=one.misfit if is_own else 0.0,
         )  # fmt: skip

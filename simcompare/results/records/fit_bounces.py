@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from simcompare.model.settings import TUNED
-from simcompare.results.records.fit_budget import Budget
 from simcompare.results.records.fit_engines import BouncesEngine, OneRestitution, RunWith, Target
 from simcompare.results.records.fit_forms import (
     Bootstrap,
@@ -23,6 +22,7 @@ from simcompare.results.records.fit_forms import (
 from simcompare.results.records.fit_holdout import Holdout
 from simcompare.results.records.fit_parts import (
     AnyKind,
+    Budget,
     Known,
     Numbers,
     Open,

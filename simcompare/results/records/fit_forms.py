@@ -63,11 +63,6 @@ class Unknown:
     open_low: bool = False
     open_high: bool = False
 
-    @property
-    def limits(self) -> tuple[float | None, float | None]:
-        """Ends of the 95 % interval."""
-        return self.low, self.high
-
 
 @dataclass(frozen=True)
 class AtSpeed:
@@ -78,11 +73,6 @@ class AtSpeed:
     u: float
     low: float | None = None
     high: float | None = None
-
-    @property
-    def limits(self) -> tuple[float | None, float | None]:
-        """Ends of the 95 % interval."""
-        return self.low, self.high
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -225,11 +215,6 @@ class Repeats:
     low: float | None
     high: float | None
     bias: float | None
-
-    @property
-    def limits(self) -> tuple[float | None, float | None]:
-        """2.5 % and 97.5 % quantiles."""
-        return self.low, self.high
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,8 @@ from simcompare.statistics.identifiability import Identifiability
 Part = TypeVar("Part")
 #: whose a parameter of an engine is
 CLOSED_FORM, ENGINE = "closed form", "engine"
+#: sources of uncertainty beside the unknowns that have a prior
+DATA, LAW = "data", "choice of law"
 
 
 @dataclass(frozen=True)
@@ -58,11 +60,6 @@ class EngineParameter:
     u_num: float | None
     whose: str = ENGINE
     misfit: float = 0.0
-
-    @property
-    def limits(self) -> tuple[float | None, float | None]:
-        """Ends of the 95 % interval."""
-        return self.interval95
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,3 +134,25 @@ def _finite(part: Any) -> Any:  # noqa: ANN401
     if isinstance(part, tuple | list):
         return tuple(map(_finite, part))
     return None if isinstance(part, float) and not math.isfinite(part) else part
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What each source adds to the uncertainty of one quantity of a closed form.
+
+    Attributes:
+        name: an unknown, or "restitution" of the fastest impact.
+        u: its standard uncertainty of first order, over all laws by their weights.
+        unit: of u.
+        shares: source -> its part of u²: "data", unknowns that have a prior, "choice of law".
+    """
+
+    name: str
+    u: float
+    unit: str
+    shares: Mapping[str, float]
+
+    @property
+    def largest(self) -> str:
+        """The source with the largest share."""
+        return max(self.shares, key=lambda source: self.shares[source])
