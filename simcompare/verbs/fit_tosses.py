@@ -36,19 +36,9 @@ def fit_tosses(
 ) -> Result:
     """Fits what makes a cube land as it was seen to land, engine by engine.
 
-    Args:
-        file: a scenario that is fitted by tosses.
-        request: what the user asked for; where no recording is held out, a part of the tosses is
-            drawn and fitted, and the others are predicted; without unknowns that are named, those
-            that the scenario calls usual; all our helps where nothing is said.
-        time_limit_s: longest time for one simulation [s].
-        progress: called as simulations end.
-
-    Returns:
-        The run; ``record.fit`` holds what was found.
-
-    Raises:
-        InputError: every fault of the request or of a recording.
+    Where no recording is held out, a part of the tosses is drawn and fitted, and the others are
+    predicted. Without unknowns that are named, those are sought that the scenario calls usual. All
+    our helps are taken where the request names none.
     """
     scale = _scale_of(file, request)
     given = known(file, request, apart=(SCALE,))

@@ -40,18 +40,8 @@ def fit_waveform(
 ) -> Result:
     """Fits a scenario to recorded signals: reference first, then every engine's own parameters.
 
-    Args:
-        file: a scenario that can be fitted by waveform.
-        request: what the user asked for; without unknowns that are named, those that the
-            recording's plan calibrates, or all that the scenario names.
-        time_limit_s: longest time for one simulation [s].
-        progress: called as jobs end.
-
-    Returns:
-        The run; ``record.fit`` holds what was found.
-
-    Raises:
-        InputError: every fault of the request or of a recording.
+    Without unknowns that are named, those are sought that the recording's plan calibrates, or all
+    that the scenario names.
     """
     only = {**of_bounces(request), "--assist": request.assist not in (None, ALL)}
     check_options(file, only, "waveform", _CURE)
