@@ -232,7 +232,16 @@ class Elliptic(ClosedForm):
         )} for one in every]  # fmt: skip
 
 
-def tabled(measured, u_s=None, digit=1e-6, factor=1.0):
+class NoForm(Elliptic):
+    """A scenario without a closed form."""
+
+    exists = False
+
+    def of(self, rows):
+        return [{"mean_period": None} for _ in rows]
+
+
+def tabled(measured, u_s=None, digit=1e-6, factor=1.0, kind=Elliptic):
     """Verdicts on repeats (n, k) of periods over the lengths."""
     file = catalogue.load("pendulum")
     known = of_scenario(file, file.resolve())
@@ -242,10 +251,15 @@ def tabled(measured, u_s=None, digit=1e-6, factor=1.0):
                    {"mean_period": Reading(tuple(map(float, values)), u_s, digit)})
         for line, (length, values) in enumerate(zip(LENGTHS_M, measured, strict=True))
     ]  # fmt: skip
-    form = Elliptic(Setting(file), (entry,))
+    form = kind(Setting(file), (entry,))
     closed = form.of([one.set for one in found])
-    values = tuple({"mean_period": factor * (row["mean_period"] or 0.0)} for row in closed)
-    return judged(entry, found, form, closed, [EngineValues("toy", "ok", None, "1", values)])
+    values = tuple({"mean_period": factor * float(one)} for one in period_s(LENGTHS_M))
+    nothing = tuple({"mean_period": None} for _ in found)
+    engines = [
+        EngineValues("toy", "ok", None, "1", values),
+        EngineValues("absent", "missing", "absent is not installed", None, nothing),
+    ]
+    return judged(entry, found, form, closed, engines)
 
 
 def test_the_closed_form_is_that_of_the_elliptic_integral():
@@ -261,9 +275,19 @@ def test_the_closed_form_is_that_of_the_elliptic_integral():
 
 def test_an_engine_that_is_wrong_disagrees():
     result = tabled(period_s(LENGTHS_M)[:, None], u_s=0.005, factor=1.02)
-    closed, toy = result.verdicts
+    closed, toy, absent = result.verdicts
     assert (closed.verdict, toy.verdict) == ("agrees", "disagrees")
+    assert (absent.verdict, absent.status) == ("open", "missing")
     assert toy.ratio == pytest.approx(1 / 1.02)
+
+
+def test_without_a_closed_form_engines_alone_are_held_against_the_table():
+    result = tabled((period_s(LENGTHS_M) + 0.004 * np.array([1, -1, 1, -1, 1, -1]))[:, None],
+                    kind=NoForm)  # fmt: skip
+    assert [(one.source, one.verdict) for one in result.verdicts] == [
+        ("toy", "agrees"), ("absent", "open"),
+    ]  # fmt: skip
+    assert (result.told, result.curve, result.points[0].u_input) == ((), (), None)
 
 
 def test_rows_that_scatter_more_than_stated_disagree():

@@ -110,7 +110,8 @@ def _verdict(result: TabledResult, verdict: str, same: Sequence[Verdict]) -> str
         f" (95 %), and {min(one.within for one in same)} of {first.points} rows are within 2 u"
     )
     if verdict == DISAGREES and _is_even(first):
-        text += f"; the rows scatter by {numbers.plain(first.scatter, 2)} u about that"
+        times = numbers.plain(first.scatter, 2)
+        text += f"; about that ratio the rows scatter {times} times as much as they are known to"
     return text + "."
 
 
