@@ -229,8 +229,7 @@ def _layout(
     stated = (general.get("Decimal_Separator") or [""])[0].strip()
     is_stated = stated in (".", ",")
     marks = (stated, "", True) if is_stated else decimal_marks(label, rows, kinds, full)
-    return Layout(separator, segment.first, tuple(kinds), full, *marks, header_line=1,
-                  short_rows=True)  # fmt: skip
+    return Layout(separator, segment.first, tuple(kinds), full, *marks, short_rows=True)
 
 
 def _clock(segment: _Segment, i: int) -> str:

@@ -14,7 +14,6 @@ import re
 import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -134,15 +133,12 @@ def _separator(source: _source.Source) -> str:
 def _add(log: RawLog, name: str, source: _source.Source, device: dict[str, str]) -> None:
     """Adds one table: samples of a sensor, or the instants of a stopwatch or of bounces."""
     log.repairs += source.repairs
-    rows = [(i + 1, line) for i, line in enumerate(source.head[:300]) if i and line.strip()]
-    if not rows:
+    if not any(map(str.strip, source.head[1:])):
         log.ignored[name] = "holds no samples"
         return
     separator = _separator(source)
     names = _cell.headings(_cell.split(source.head[0], separator))
-    cells = [(line, _cell.split(text, separator)) for line, text in rows]
-    layout = sniff.below_header(source.label, cells, names, separator)
-    layout = replace(layout, first_line=2, header=source.head[0], header_line=1)
+    layout = sniff.below_header(source.label, source.head, 1, names, separator)
     table = _table.read(source, layout)
     log.repairs += [_of_stream(repair, name) for repair in table.repairs]
     if _INSTANT.fullmatch(names[0][0]):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -121,20 +121,6 @@ def _plan(label: str, lines: Sequence[str]) -> Plan | None:
     return None
 
 
-def _layout(label: str, lines: Sequence[str], first: int, names: Sequence[tuple[str, str]],
-            separator: str = ",") -> Layout:  # fmt: skip
-    """Rows of numbers from a line on (counted from 0)."""
-    rows = [
-        (i + 1, _cell.split(line, separator))
-        for i, line in enumerate(lines[: first + 300])
-        if i >= first and line.strip()
-    ]
-    if not rows:
-        raise InputError(label, [f"line {first + 1}: no samples follow the header"])
-    layout = sniff.below_header(label, rows, names, separator, len(rows[0][1]))
-    return replace(layout, header_line=first)
-
-
 def _padded(cells: Sequence[str], width: int) -> list[str]:
     return [*cells, *[""] * width][: max(width, len(cells))]
 
@@ -161,7 +147,7 @@ def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
         (name, "1" if name == "X" else unit(below[i])) for i, name in enumerate(head[: at - 1])
     ]
     counter = "X" if head[0] == "X" else None
-    return Plan("Rigol", _layout(label, lines, 2, names), start, step, counter=counter)
+    return Plan("Rigol", sniff.below_header(label, lines, 2, names), start, step, counter=counter)
 
 
 def _settings_beside(label: str, lines: Sequence[str]) -> Plan | None:
@@ -220,7 +206,7 @@ def _after_keys(label: str, lines: Sequence[str], header: int, cells: Sequence[s
         below = cells[k + 1] if siglent else ""
         unit_found = in_name or (unit(units[k]) if k < len(units) else "") or unit(below)
         names.append((name, unit_found))
-    layout = _layout(label, lines, header + 1, names)
+    layout = sniff.below_header(label, lines, header + 1, names)
     return Plan("Siglent" if siglent else "Tektronix", layout, about=about)
 
 
@@ -235,7 +221,7 @@ def _keysight(label: str, lines: Sequence[str]) -> Plan | None:
         if name:
             unit_below = unit(below[i]) if i < len(below) else ""
             names.append((f"channel {name}" if name.isdigit() else name, unit_below))
-    return Plan("Keysight", _layout(label, lines, 2, names))
+    return Plan("Keysight", sniff.below_header(label, lines, 2, names))
 
 
 def _pico(label: str, lines: Sequence[str]) -> Plan | None:
@@ -255,7 +241,7 @@ def _pico(label: str, lines: Sequence[str]) -> Plan | None:
     electric = any(re.fullmatch(r"[munµμk]?[VAW]", u) for _, u in names[1:])
     if not re.fullmatch(r"[munpfµμ]?s", names[0][1]) or not electric:
         return None
-    return Plan("PicoScope", _layout(label, lines, 2, names, separator))
+    return Plan("PicoScope", sniff.below_header(label, lines, 2, names, separator))
 
 
 def _schwarz(label: str, lines: Sequence[str]) -> Plan | None:
@@ -265,7 +251,7 @@ def _schwarz(label: str, lines: Sequence[str]) -> Plan | None:
     if len(parts) < 2 or not all(parts) or parts[0] is None or parts[0][1]:
         return None
     names = [(part[1] or "time", part[2]) for part in parts if part]
-    return Plan("Rohde & Schwarz", _layout(label, lines, 1, names))
+    return Plan("Rohde & Schwarz", sniff.below_header(label, lines, 1, names))
 
 
 _LAYOUTS: dict[str, Callable[[str, Sequence[str]], Plan | None]] = {

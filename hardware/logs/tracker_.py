@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -129,23 +128,7 @@ def _layout(label: str, lines: Sequence[str], at: int, separator: str) -> tuple[
         cells.pop()
     tracks = [name for name in above if name]
     names = _named(above, cells, several=len(tracks) > 1)
-    first = at + 2
-    rows = [(i + 1, _cell.split(lines[i], separator)) for i in range(first, len(lines))
-            if lines[i].strip()][:500]  # fmt: skip
-    if not rows:
-        raise InputError(label, [f"line {first + 1}: no rows follow the header"])
-    width = max(len(row) for _, row in rows)
-    filled = max(sum(bool(cell.strip()) for cell in row) for _, row in rows)
-    if separator == "," and filled == 2 * len(cells):
-        raise InputError(
-            label,
-            [f"line {first + 1}: has {filled} numbers for {len(cells)} columns: the comma is the"
-             " decimal mark too; export again with a semicolon or tab as delimiter"],
-        )  # fmt: skip
-    width = max(width, len(cells)) if all(not row[-1].strip() for _, row in rows) else len(cells)
-    layout = sniff.below_header(label, rows, names, separator, width)
-    header = lines[at + 1]
-    return replace(layout, first_line=first + 1, header=header, header_line=at + 2), tracks
+    return sniff.below_header(label, lines, at + 2, names, separator), tracks
 
 
 def _named(above: Sequence[str], cells: Sequence[str], *, several: bool) -> list[tuple[str, str]]:

@@ -19,6 +19,8 @@ from simcompare.hardware.logs.text.marks import marks
 #: separators that are tried, the surest first; a blank stands for any run of them
 SEPARATORS = "\t;|, "
 _MAX_LINES = 1000
+#: rows below a known header that are looked at
+_SAMPLE = 500
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,6 @@ class Layout:
         thousands: mark between groups of three digits, empty where there is none.
         decided: whether a mark was seen at all; if not, the first one that comes decides.
         header: the line of names as it stands in the file, empty where there is none.
-        header_line: its number, 0 where there is none.
         preamble: lines above the header.
         styles: how columns of dates write them.
         hollow: columns that hold nothing so far.
@@ -49,7 +50,6 @@ class Layout:
     thousands: str = ""
     decided: bool = True
     header: str = ""
-    header_line: int = 0
     preamble: tuple[str, ...] = ()
     styles: dict[int, DateStyle] = field(default_factory=dict)
     hollow: tuple[int, ...] = ()
@@ -109,7 +109,6 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
         thousands,
         decided,
         "" if header.line is None else lines[header.line],
-        0 if header.line is None else header.line + at,
         tuple(lines[:top]),
         styles,
         tuple(k for k in range(width) if kinds[k] == "empty"),
@@ -222,18 +221,40 @@ def _final(
 
 
 def below_header(
-    label: str,
-    rows: Sequence[tuple[int, Sequence[str]]],
-    names: Sequence[tuple[str, str]],
-    separator: str,
-    width: int = 0,
-) -> Layout:
-    """The layout of rows of numbers, with their lines, whose header has been read already.
+    label: str, lines: Sequence[str], above: int, names: Sequence[tuple[str, str]],
+    separator: str = ",",
+) -> Layout:  # fmt: skip
+    """The layout of rows of numbers whose header has been read already.
 
-    Columns beyond the names, up to ``width``, are empty.
+    Args:
+        label: the file, as messages name it.
+        lines: its first ones.
+        above: how many of them stand above the rows.
+        names: names and units of the columns; those beyond them are empty.
+        separator: of the cells.
+
+    Raises:
+        InputError: there are no rows, or the comma separates cells and decimals.
     """
-    empty = max(width - len(names), 0)
-    kinds, full = ["number"] * len(names) + ["empty"] * empty, [*names, *[("", "")] * empty]
+    rows = [
+        (i + 1, split(line, separator))
+        for i, line in enumerate(lines[: above + _SAMPLE])
+        if i >= above and line.strip()
+    ]
+    if not rows:
+        raise InputError(label, [f"line {above + 1}: no samples follow the header"])
+    filled = max(sum(bool(cell.strip()) for cell in row) for _, row in rows)
+    if separator == "," and filled == 2 * len(names):
+        raise InputError(
+            label,
+            [f"line {above + 1}: has {filled} numbers for {len(names)} columns: the comma is the"
+             " decimal mark too; export again with a semicolon or tab as delimiter"],
+        )  # fmt: skip
+    beyond = [cell for _, row in rows for cell in row[len(names) :]]
+    empty = 0 if any(map(str.strip, beyond)) else max(len(row) for _, row in rows) - len(names)
+    kinds = ["number"] * len(names) + ["empty"] * max(empty, 0)
+    full = (*names, *[("", "")] * max(empty, 0))
+    header = lines[above - 1] if above else ""
     return Layout(
-        separator, rows[0][0], tuple(kinds), tuple(full), *marks(label, rows, kinds, full)
+        separator, rows[0][0], tuple(kinds), full, *marks(label, rows, kinds, full), header=header
     )
