@@ -1,4 +1,4 @@
-"""A time in parts, a column for each: year, month, day, hour, minute, second, millisecond."""
+"""A time in parts, a column for each: date and time of day, or year, month, day, hour and so on."""
 
 from __future__ import annotations
 
@@ -61,3 +61,21 @@ def _days(columns: dict[str, RawColumn], seconds: object) -> np.ndarray:
     months = np.where(known, (full - 1970) * 12 + month - 1, 0).astype(np.int64)
     since = months.astype("datetime64[M]").astype("datetime64[D]").astype(np.float64)
     return np.where(known, since + day - 1, np.nan)
+
+
+def date_and_clock(layout: Layout) -> tuple[str, str] | None:
+    """Names of a column of dates and one of times of day that belong together."""
+    days = [k for k, style in layout.styles.items() if style.kind != "clock"]
+    clocks = [k for k, style in layout.styles.items() if style.kind == "clock"]
+    if len(days) == 1 and len(clocks) == 1:
+        return layout.names[days[0]][0], layout.names[clocks[0]][0]
+    return None
+
+
+def add_date(table: Table, joined: tuple[str, str]) -> None:
+    """Adds the column of dates to that of the times of day."""
+    date, clock = (next(c for c in table.columns if c.name == name) for name in joined)
+    clock.values += date.values
+    table.origins[clock.name] += table.origins[date.name]
+    table.columns.remove(date)
+    table.ignored[date.name] = f"was added to column {clock.name!r}"
