@@ -38,6 +38,7 @@ from simcompare.results.run_record import now, software
 from simcompare.statistics.distributions import normal, rectangular
 from simcompare.statistics.streams import stream
 from simcompare.verbs.calibrated import Calibrated
+from simcompare.verbs.damaged import told_as_damaged
 
 KINDS = ("six-position", "ellipsoid", "rate-table", "two-point")
 FILE = "calibration.json"
@@ -194,7 +195,10 @@ def _stored(path: Path) -> Calibrated:
     """A calibration that was stored."""
     content = record_file.read(path, "calibrate again")
     try:
-        return record_file.record(Calibrated, content, path)
+        found = record_file.record(Calibrated, content, path)
+        with told_as_damaged([path], "correction"):
+            repr(found)
+        return found
     except InputError as error:
         fault = f"is no stored calibration; expected {FILE} of simcompare calibrate"
         raise InputError(str(path), [fault, *error.faults]) from None

@@ -20,6 +20,7 @@ from simcompare.reports.render.shown import Shown
 from simcompare.reports.run.listing import joined
 from simcompare.results import cells, store, stored_runs
 from simcompare.results.run import Run
+from simcompare.verbs.damaged import told_as_damaged
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -153,7 +154,9 @@ def compare(runs: Source | Sequence[Source], measure: str | None = None) -> Comp
     listed = [runs] if isinstance(runs, Run | str | Path) else [*runs]
     read = [one for source in listed for one in _read(source)]
     given = {_key(run): run for run in read if isinstance(run, Run)}
-    found = compared(list(given.values()), [text for text in read if isinstance(text, str)])
+    stored = [one.folder for one in given.values() if one.folder is not None]
+    with told_as_damaged(stored, "comparison"):
+        found = compared(list(given.values()), [text for text in read if isinstance(text, str)])
     if measure is not None:
         found.check(measure)
     return Comparison(found, measure or found.measures[0])

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 from simcompare.arguments import checked
+from simcompare.errors import UnknownName
+from simcompare.reports import glances
 from simcompare.results import store
+from simcompare.verbs.damaged import told_as_damaged
 from simcompare.verbs.result import Result
 
 
@@ -26,4 +30,7 @@ def load_run(place: str | Path) -> Result:
         InputError: there is none, or its files are damaged; names the file.
     """
     found = store.load(place)
-    return Result(found.record, found.trajectories, found.folder, found.stored_readings)
+    result = Result(found.record, found.trajectories, found.folder, found.stored_readings)
+    with contextlib.suppress(UnknownName), told_as_damaged([place], "table"):
+        glances.table(result)  # where there is nothing to tell it says so later
+    return result

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import webbrowser
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 from simcompare.arguments import checked
-from simcompare.errors import InputError, SimcompareError, UnknownName
+from simcompare.errors import InputError, UnknownName
 from simcompare.reports import builder
 from simcompare.results import store
 from simcompare.results.run import Run
+from simcompare.verbs.damaged import told_as_damaged
 
 #: formats of a document, and those of single figures
 DOCUMENTS, FIGURES = ("html", "pdf", "md"), ("png", "svg")
@@ -60,27 +60,12 @@ def report(
     stored = [str(one) for one in listed if not isinstance(one, Run)]
     loaded = [one if isinstance(one, Run) else store.load(Path(one)) for one in listed]
     place = _place(loaded[0], format) if out is None else Path(out)
-    with _told_as_damaged(stored):
+    with told_as_damaged(stored, "report"):
         written = _written(loaded, format, place)
     if open:
         with contextlib.suppress(webbrowser.Error):  # where there is none the file is told
             webbrowser.open(written.resolve().as_uri())
     return written
-
-
-@contextmanager
-def _told_as_damaged(stored: Sequence[str]) -> Iterator[None]:
-    """Parts of a stored run that do not belong together are its fault, whatever they break."""
-    try:
-        yield
-    except (SimcompareError, OSError):
-        raise
-    except Exception as error:
-        if not stored:
-            raise
-        what = f"{type(error).__name__}: {error}"
-        fault = f"no report can be made of it ({what}): it was changed, or is damaged; run it again"
-        raise InputError(", ".join(stored), [fault]) from error
 
 
 def _place(run: Run, format: str) -> Path:
