@@ -173,5 +173,6 @@ def _how_far(result: Run) -> str:
     told = f"simcompare: interrupted; {done} simulations had finished"
     if result.folder is None:
         return told
-    words = ["simcompare", "run", "--resume", str(result.folder)]
-    return f"{told} and are kept; go on with: {shlex.join(words)}"
+    from simcompare.results import unfinished
+
+    return f"{told} and are kept; go on with: {unfinished.resuming(result.folder)}"

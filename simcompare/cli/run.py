@@ -171,6 +171,15 @@ def _show(result: Run, page: Path | None, *, details: bool) -> None:
     else:
         console.print_wrapped(remarks.failures(result))
     ending.show_places(result.folder, page)
+    _show_left(result.folder)
+
+
+def _show_left(folder: Path | None) -> None:
+    """Names the runs in the same place that were ended before they could say so."""
+    from simcompare.results import stored_runs, unfinished
+
+    for place in [] if folder is None else stored_runs.left(folder.parent):
+        typer.echo(f"{place} was ended early; go on with: {unfinished.resuming(place)}")
 
 
 def _show_sensing(result: Run) -> None:

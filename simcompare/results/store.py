@@ -159,6 +159,9 @@ def _no_run(place: Path) -> InputError:
     """What is wrong with a place that holds no run, and the runs that lie in it."""
     if not place.is_dir():
         return NoSuchFile(place, "the folder of a stored run")
+    if unfinished.is_unfinished(place):
+        fault = f"was ended before it was complete; go on with: {unfinished.resuming(place)}"
+        return InputError(str(place), [fault])
     inside = sorted(path.parent for path in place.glob(f"*/{RECORD}"))
     fault = f"is not a stored run: it holds no {RECORD}"
     if inside:

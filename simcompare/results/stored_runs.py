@@ -10,12 +10,14 @@ from pathlib import Path
 
 from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.errors import InputError, NoSuchFile, OutputError
+from simcompare.results import unfinished
 from simcompare.results.fit_file import FILE as FIT
 from simcompare.results.readings_file import READINGS
 from simcompare.results.records import stored
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run
 from simcompare.results.store import RECORD, SCORES, TRAJECTORIES
+from simcompare.results.unfinished import PARTS
 
 #: what we write into the folder of a run
 _OURS = (RECORD, TRAJECTORIES, READINGS, SCORES, FIT, "report.html", "report.pdf", "report.md")
@@ -37,6 +39,8 @@ class StoredRun:
         files: what we wrote there; none where its run.json cannot be read: nothing says so then.
         others: what else lies there, by name.
         size_bytes: of our files.
+        is_unfinished: whether it was ended before it had a run.json, or still runs.
+        is_running: whether somebody works on it now.
     """
 
     folder: Path
@@ -46,6 +50,8 @@ class StoredRun:
     files: tuple[Path, ...]
     others: tuple[str, ...]
     size_bytes: int
+    is_unfinished: bool = False
+    is_running: bool = False
 
     def __repr__(self) -> str:
         return f"{self.folder}: {self.fault or self.verdict}"
@@ -54,7 +60,7 @@ class StoredRun:
     def verdict(self) -> str:
         """What became of it, in one word."""
         if self.record is None:
-            return "damaged"
+            return "unfinished" if self.is_unfinished else "damaged"
         if self.record.interrupted:
             return "interrupted"
         code = Run(self.record, ()).exit_code
@@ -92,8 +98,14 @@ def of(folder: Path) -> list[StoredRun]:
     """
     if not folder.is_dir():
         raise NoSuchFile(folder, "a folder of stored runs")
-    found = [_read(place) for place in sorted(folder.iterdir()) if is_run(place)]
+    found = [_read(place) for place in sorted(folder.iterdir()) if _is_begun(place)]
     return sorted(found, key=lambda run: (run.created, run.folder.name), reverse=True)
+
+
+def left(folder: Path) -> list[Path]:
+    """Runs in a folder that were ended before they had a run.json, the oldest first."""
+    begun = [place for place in sorted(folder.iterdir()) if unfinished.is_unfinished(place)]
+    return [place for place in begun if not is_run(place) and not unfinished.is_running(place)]
 
 
 def places(folder: Path) -> list[Path]:
@@ -121,8 +133,9 @@ def chosen(
 
 
 def can_go(run: StoredRun) -> bool:
-    """Whether a run can be read, so it is ours, and nothing else lies in its folder."""
-    return run.record is not None and not run.others
+    """Whether a run is ours, nothing else lies in its folder, and nobody works on it."""
+    is_ours = run.record is not None or run.is_unfinished
+    return is_ours and not run.others and not run.is_running
 
 
 def delete(runs: Iterable[StoredRun]) -> None:
@@ -133,11 +146,11 @@ def delete(runs: Iterable[StoredRun]) -> None:
     """
     for run in runs:
         try:
-            if not is_run(run.folder):  # it has become a link since it was listed
+            if not _is_begun(run.folder):  # it has become a link since it was listed
                 continue
             for path in run.files:
                 path.unlink(missing_ok=True)
-            for folder in (run.folder / _PICTURES, run.folder):
+            for folder in (run.folder / _PICTURES, run.folder / PARTS, run.folder):
                 if folder.is_dir():
                     folder.rmdir()
         except OSError as error:
@@ -152,19 +165,38 @@ def _is_older(run: StoredRun, age_s: float | None, now: datetime) -> bool:
     return (now - datetime.fromisoformat(run.created)).total_seconds() > age_s
 
 
+def _is_begun(folder: Path) -> bool:
+    return is_run(folder) or unfinished.is_unfinished(folder)
+
+
 def _read(folder: Path) -> StoredRun:
-    record, fault = None, ""
-    try:
-        record = stored.read(folder / RECORD)
-    except InputError as error:
-        first, *more = error.faults
-        fault = f"{first}, and more" if more else first
-    files = () if record is None else tuple(_files(folder, record.scenario))
-    inside = () if record is None else tuple(_inside(folder))
+    kept = unfinished.is_unfinished(folder)
+    runs = kept and unfinished.is_running(folder)
+    record, fault = (None, _ended_early(folder, runs=runs)) if not is_run(folder) else _told(folder)
+    is_ours = not runs and (record is not None or not is_run(folder))  # else files come and go
+    scenario = "" if record is None else record.scenario
+    files = tuple(_files(folder, scenario)) if is_ours else ()
+    inside = tuple(_inside(folder)) if is_ours else ()
     others = {_name(folder, path) for path in inside} - {_name(folder, path) for path in files}
     size = sum(path.lstat().st_size for path in files)
     created = _created(folder, record)
-    return StoredRun(folder, record, fault, created, files, tuple(sorted(others)), size)
+    return StoredRun(
+        folder, record, fault, created, files, tuple(sorted(others)), size,
+        is_unfinished=not is_run(folder), is_running=runs,
+    )  # fmt: skip
+
+
+def _told(folder: Path) -> tuple[Record | None, str]:
+    """What a run.json says, or why it cannot be read."""
+    try:
+        return stored.read(folder / RECORD), ""
+    except InputError as error:
+        first, *more = error.faults
+        return None, f"{first}, and more" if more else first
+
+
+def _ended_early(folder: Path, *, runs: bool) -> str:
+    return "still runs" if runs else f"was ended early; {unfinished.resuming(folder)}"
 
 
 def _options(words: Sequence[str]) -> Iterator[str]:
@@ -179,7 +211,7 @@ def _options(words: Sequence[str]) -> Iterator[str]:
 def _inside(folder: Path) -> Iterator[Path]:
     """All that lies in the folder of a run, pictures one by one; no link is followed."""
     for path in sorted(folder.iterdir()):
-        if path.name == _PICTURES and path.is_dir() and not path.is_symlink():
+        if path.name in (_PICTURES, PARTS) and path.is_dir() and not path.is_symlink():
             yield from sorted(path.iterdir())
         else:
             yield path
@@ -191,6 +223,7 @@ def _files(folder: Path, scenario: str) -> Iterator[Path]:
     for path in _inside(folder):
         name = path.name
         is_ours = name in _OURS if path.parent == folder else picture.fullmatch(name)
+        is_ours = is_ours or unfinished.is_part(path)
         if is_ours and path.is_file() and not path.is_symlink():
             yield path
 

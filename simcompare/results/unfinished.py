@@ -10,6 +10,7 @@ import contextlib
 import itertools
 import os
 import re
+import shlex
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -157,6 +158,16 @@ def is_running(folder: Path) -> bool:
     """Whether the maker of an unfinished run still lives."""
     with contextlib.ExitStack() as held:
         return not whole.lock(folder, held)
+
+
+def is_part(path: Path) -> bool:
+    """Whether a path is, by its name, that of a part that was kept."""
+    return path.parent.name == PARTS and _PART.fullmatch(path.name) is not None
+
+
+def resuming(folder: Path) -> str:
+    """The command that goes on with a run."""
+    return shlex.join(["simcompare", "run", "--resume", str(folder)])
 
 
 def _linked(old: str | Path, new: str | Path) -> None:

@@ -164,7 +164,7 @@ class Kept:
         if self._begun is None or not self.outcomes:
             return ""
         done = f"{len(self.outcomes)} of {len(self.plan.jobs)} simulations are kept"
-        return f"\n{done}; go on when there is room: {resuming(self._begun.folder)}"
+        return f"\n{done}; go on when there is room: {unfinished.resuming(self._begun.folder)}"
 
     def _asked(self) -> bytes:
         plan = self.plan
@@ -187,11 +187,6 @@ def request_of(place: Path) -> RunRequest:
     """
     with contextlib.closing(unfinished.opened(place)) as begun:
         return _asked(place, begun.parts()).request
-
-
-def resuming(folder: Path) -> str:
-    """The command that goes on with a run."""
-    return shlex.join(["simcompare", "run", "--resume", str(folder)])
 
 
 def _asked(place: Path, parts: Mapping[str, bytes]) -> _Asked:

@@ -155,7 +155,6 @@ def _ended(plan: RunPlan, kept: Kept, time_limit_s: float, progress: Progress | 
             new, interrupted = stop.outcomes, True
         result = kept.stored(gathered(plan, kept.all(new), interrupted=interrupted))
         if interruption.came() and not interrupted:
-            raise KeyboardInterrupt(
-                f"all of it is stored in {result.folder}" if result.folder else ""
-            )
+            where = f"stored in {result.folder}" if result.folder else "not stored, as asked"
+            raise KeyboardInterrupt(f"all of it had finished, and is {where}")
     return result

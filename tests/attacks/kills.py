@@ -86,15 +86,19 @@ def unbroken(out):
     return samples(folder), scores(folder)
 
 
+def drawn(seed):
+    """Kind, moment, and how much later it comes."""
+    of = random.Random(seed)
+    moments = [*range(REPEATS + 1), "writing"]
+    return of.choice(list(KINDS)), of.choice(moments), of.choice([0, 0, of.random() * 0.2])
+
+
 def attack(seed, out, whole):
     """Begins a run, ends it, goes on with it, and says what is wrong."""
-    drawn = random.Random(seed)
-    kind = drawn.choice(list(KINDS))
-    moment = drawn.choice([*range(REPEATS + 1), "writing"])
+    kind, moment, later_s = drawn(seed)
     process = run(out)
     wait_for(lambda: process.poll() is not None or has_come(out, moment))
-    # within what follows that moment
-    time.sleep(drawn.choice([0, 0, drawn.random() * 0.2]))
+    time.sleep(later_s)
     kept = len(parts(out))
     for number in KINDS[kind]:
         for pid in workers(process.pid) if kind == "worker killed" else [process.pid]:
