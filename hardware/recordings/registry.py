@@ -17,6 +17,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from simcompare.errors import InputError, OutputError, UnknownName
+from simcompare.hardware.recordings import download
 from simcompare.model.estimate_plan import RecordedPlan
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
@@ -215,8 +216,6 @@ def fetch(name: str) -> list[Path]:
         except InputError:  # what is damaged in the cache is fetched again
             if folder == local_folder():
                 raise
-    from simcompare.hardware.recordings import download
-
     data_set = get(name)
     paths = []
     for file in data_set.files:
