@@ -21,6 +21,7 @@ import signal
 import subprocess
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,8 +29,8 @@ from typing import NoReturn
 
 from simcompare.model.plain import Plain
 
-#: files of the folder in which a task and its answer are
-REQUEST, ANSWER = "request.json", "answer.json"
+#: files of the folder in which a task and its answer are, and all that is printed
+REQUEST, ANSWER, NOISE = "request.json", "answer.json", "noise"
 #: what is left of a limit when the process ends itself, should nobody else end it [s]
 _GRACE_S = 5
 #: stacks of the threads that libraries start for each processor; they are counted, not used
@@ -61,10 +62,12 @@ class Ending:
     Attributes:
         is_late: whether the time was over.
         signal: what killed it, 0 where nothing did.
+        said: the last line that it printed, such as why it failed.
     """
 
     is_late: bool = False
     signal: int = 0
+    said: str = ""
 
 
 def run(task: Task, target: str, folder: Path, limits: Limits) -> Ending:
@@ -107,18 +110,39 @@ def _forked(task: Task, target: str, folder: Path, limits: Limits) -> Iterator[E
         os.close(reading)
         _kill(child)
         _, status = os.waitpid(child, 0)
-    yield Ending(not ready, os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0)
+    killed_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
+    yield Ending(not ready, killed_by, _last_line(folder))
+
+
+def _last_line(folder: Path) -> str:
+    try:
+        with (folder / NOISE).open("rb") as file:
+            file.seek(-min(file.seek(0, os.SEEK_END), 1000), os.SEEK_END)
+            lines = file.read().decode("utf-8", errors="replace").split("\n")
+    except OSError:
+        return ""
+    return next((line.strip() for line in reversed(lines) if line.strip()), "")
 
 
 def _be_the_child(task: Task, folder: Path, limits: Limits) -> NoReturn:
-    with contextlib.suppress(BaseException):
-        nothing = os.open(os.devnull, os.O_RDWR)
-        for descriptor in (0, 1, 2):  # libraries print what they like
-            os.dup2(nothing, descriptor)
+    try:
         os.setsid()
+        _redirect(folder)
         _confine(folder, limits)
         task(folder)
-    os._exit(0)
+    except BaseException:  # noqa: BLE001  (the other process tells the last line)
+        os.write(2, traceback.format_exc().encode("utf-8", errors="replace"))
+    finally:
+        os._exit(0)
+
+
+def _redirect(folder: Path) -> None:
+    """What libraries print goes into a file, and nothing can be read."""
+    noise = os.open(folder / NOISE, os.O_CREAT | os.O_WRONLY | os.O_APPEND)
+    nothing, end = os.pipe()
+    os.close(end)
+    for descriptor, instead in ((0, nothing), (1, noise), (2, noise)):
+        os.dup2(instead, descriptor)
 
 
 @contextlib.contextmanager
@@ -130,11 +154,11 @@ def _started(task: Task, target: str, folder: Path, limits: Limits) -> Iterator[
         f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import be_started;"
         f" from {module} import {function}; be_started({function}, *{told!r})"
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code],
-        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )  # fmt: skip
+    with (folder / NOISE).open("ab") as noise:
+        process = subprocess.Popen(
+            [sys.executable, "-c", code],
+            stdin=subprocess.DEVNULL, stdout=noise, stderr=noise, start_new_session=True,
+        )  # fmt: skip
     is_late = False
     try:
         process.wait(limits.seconds)
@@ -143,7 +167,7 @@ def _started(task: Task, target: str, folder: Path, limits: Limits) -> Iterator[
     finally:
         _kill(process.pid) if hasattr(os, "killpg") else process.kill()
         code_ = process.wait()
-    yield Ending(is_late, max(-code_, 0))
+    yield Ending(is_late, max(-code_, 0), _last_line(folder))
 
 
 def be_started(task: Task, folder: str, memory_bytes: int, file_bytes: int, seconds: float) -> None:

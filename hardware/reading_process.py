@@ -140,9 +140,11 @@ def _told(variable: str, otherwise: float) -> float:
 def _why_not(ending: confined.Ending, size: int, limits: confined.Limits) -> str:
     if ending.is_late:
         return _over("time", size, limits)
+    if not ending.signal:
+        return f"cannot be read: its reader failed ({ending.said or 'it says nothing'}); try again"
     return (
-        f"the reader was ended by the system (signal {ending.signal}): the file is damaged, or"
-        " needs more memory than there is; copy it from the device again"
+        f"its reader was ended by signal {ending.signal}: the file is damaged, or the machine has"
+        " too little memory; try again, or copy the file from the device again"
     )
 
 

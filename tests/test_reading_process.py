@@ -111,6 +111,11 @@ def die(folder):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+def fail(folder):
+    print("on the way")
+    raise ValueError("it does not work")
+
+
 def say_where(folder):
     with tempfile.NamedTemporaryFile() as file:
         confined.answer(folder, {"file": file.name, "group": os.getpgid(0)})
@@ -134,6 +139,7 @@ def test_what_lasts_too_long_or_dies_is_told(tmp_path):
     ending = ending_of(die, tmp_path)
     assert (tmp_path / "begun").exists()
     assert ending == confined.Ending(signal=signal.SIGKILL)
+    assert ending_of(fail, tmp_path) == confined.Ending(said="ValueError: it does not work")
 
 
 @pytest.mark.usefixtures("either_way")
@@ -157,6 +163,13 @@ def test_a_small_log_that_needs_much_is_refused_in_one_sentence(log, monkeypatch
     monkeypatch.setattr(importing, "read", lambda *_, **__: os.kill(os.getpid(), 9))
     monkeypatch.delenv(reading_process.TIME_VARIABLE)
     with pytest.raises(InputError, match="signal 9"):
+        reading_process.read(log, NOTHING)
+
+
+def test_a_reader_that_fails_before_it_reads_says_why(log, monkeypatch):
+    monkeypatch.setattr(confined, "fork_is_safe", lambda: True)
+    monkeypatch.setattr(reading_process, "serve", fail)
+    with pytest.raises(InputError, match=r"its reader failed \(ValueError: it does not work\)"):
         reading_process.read(log, NOTHING)
 
 
