@@ -130,7 +130,7 @@ class ClosedForm:
     @functools.cached_property
     def exists(self) -> bool:
         """Whether the scenario has one."""
-        return catalogue.reference_of(self.setting.file.path) is not None
+        return catalogue.has_reference(self.setting.file.path)
 
     def beyond(self, found: Iterable[Experiment]) -> tuple[str, ...]:
         """Why it does not hold for some experiments."""
