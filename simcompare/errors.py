@@ -71,6 +71,7 @@ class InputError(SimcompareError):
     def __init__(self, where: str, faults: Sequence[str]) -> None:
         self.where = where
         self.faults = tuple(faults)
+        where = where.replace("\n", "\\n")  # a name may hold one, and forge a line
         if len(self.faults) == 1:
             message = f"{where}: {self.faults[0]}"
         else:

@@ -9,11 +9,11 @@ import sys
 import textwrap
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, cast
 
 import typer
 
-from simcompare.cli import manner
+from simcompare.cli import manner, streams
 from simcompare.errors import InputError
 
 if TYPE_CHECKING:
@@ -121,11 +121,13 @@ def progress_bar(what: str) -> Iterator[Progress | None]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    stream = streams.Steering(sys.stderr)
+    with Progress(*columns, console=Console(file=cast("IO[str]", stream)), transient=True) as bar:
         task = bar.add_task(what, total=None)
 
         def update(engine: str, done: int, total: int) -> None:
-            bar.update(task, description=f"{what}: {engine}", completed=done, total=total)
+            said = streams.escaped(f"{what}: {engine}")
+            bar.update(task, description=said, completed=done, total=total)
 
         yield update
 

@@ -1,15 +1,21 @@
-"""The streams of a command: whoever reads them may go away, and a disk below them may be full."""
+"""The streams of a command: whoever reads them may go away, and a disk below them may be full.
+
+Names come from files, messages from engines: what a terminal would obey, or what would hide or turn
+text, is printed escaped.
+"""
 
 from __future__ import annotations
 
 import errno
 import io
+import json
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import typer
 
@@ -17,6 +23,11 @@ from simcompare.errors import OutputError
 
 #: errors of the system that mean that a disk takes no more
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+#: characters that steer a terminal, turn the direction of text or are not seen; lines and tabs stay
+_HIDDEN = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
+    "\ufeff\ufff9-\ufffb\U000e0000-\U000e007f]"
+)
 #: and that there is no terminal any more
 _GONE = (errno.EPIPE, errno.EIO)
 
@@ -50,6 +61,45 @@ def _forget_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+def escaped(text: str) -> str:
+    """Text in which nothing is hidden; an escape stands for the same in JSON and in Python."""
+    return _HIDDEN.sub(_escape, text)
+
+
+def _escape(found: re.Match[str]) -> str:
+    code = ord(found[0])
+    if code < ord(" "):  # in JSON these are escaped already
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code <= 0xFFFF else json.dumps(found[0])[1:-1]
+
+
+class _Escaping(io.TextIOWrapper):
+    """Where text goes to a terminal, a pipe or a file."""
+
+    def write(self, text: str) -> int:
+        super().write(escaped(text))
+        return len(text)
+
+    def steer(self, text: str) -> int:
+        """Writes text as it is."""
+        return super().write(text)
+
+
+class Steering:
+    """A stream for what we draw ourselves, such as a bar of progress.
+
+    Args:
+        stream: where it goes.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self.write = getattr(stream, "steer", stream.write)
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+        return getattr(self._stream, name)
+
+
 class _Forgiving(io.FileIO):
     """A file that loses what it cannot take: where errors cannot be told, exit codes still hold."""
 
@@ -68,7 +118,16 @@ def keep() -> None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     elif sys.stderr is given:
         raw = _Forgiving(given.fileno(), "w", closefd=False)
-        sys.stderr = io.TextIOWrapper(io.BufferedWriter(raw), given.encoding, line_buffering=True)
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):  # a terminal without the signs for ± and ζ
-            stream.reconfigure(errors="replace")
+        sys.stderr = _Escaping(
+            io.BufferedWriter(raw), given.encoding, "replace", line_buffering=True
+        )
+    own = sys.stdout
+    if own is sys.__stdout__ and isinstance(own, io.TextIOWrapper):
+        # a terminal may have no signs for ± and ζ
+        sys.stdout = _Escaping(
+            own.buffer,
+            own.encoding,
+            "replace",
+            line_buffering=own.line_buffering,
+            write_through=own.write_through,
+        )
