@@ -47,12 +47,14 @@ def stranger(tmp_path, mark):
 
 
 def test_only_a_yes_lets_it_run(call, stranger, mark):
-    code, out, err = call("run", stranger, "--engine", "pymunk", "--json", "--no-report")
+    code, out, err = call(
+        "run", stranger, "--engine", "pymunk", "--contact", "default", "--json", "--no-report"
+    )
     assert (code, out) == (2, "")
     assert str(stranger / "reference.py") in err
     assert "add --trust once" in err
     assert not mark.exists()
-    words = ("run", stranger, "--engine", "pymunk", "--json", "--no-report")
+    words = ("run", stranger, "--engine", "pymunk", "--contact", "default", "--json", "--no-report")
     assert call(*words, "--trust")[0] in (0, 1)
     assert int(mark.read_text()) != os.getpid(), "in a process of its own"
     assert call(*words)[0] in (0, 1), "it is remembered"
@@ -89,7 +91,9 @@ def test_tags_of_yaml_run_nothing(call, stranger, mark):
 
 def test_a_scenario_without_code_needs_no_yes(call, stranger, mark):
     (stranger / "reference.py").unlink()
-    assert call("run", stranger, "--engine", "pymunk", "--json", "--no-report")[0] in (0, 1)
+    assert call(
+        "run", stranger, "--engine", "pymunk", "--contact", "default", "--json", "--no-report"
+    )[0] in (0, 1)
     assert not mark.exists()
 
 
@@ -97,7 +101,7 @@ def test_python_says_yes_by_an_argument(stranger, mark):
     with pytest.raises(UntrustedCode, match="add trust once"):
         simcompare.run(stranger, engine="pymunk")
     assert not mark.exists()
-    assert simcompare.run(stranger, engine="pymunk", trust=True).record.sources
+    assert simcompare.run(stranger, engine="pymunk", contact="default", trust=True).record.sources
     assert mark.exists()
 
 
@@ -188,7 +192,16 @@ def test_a_reference_that_breaks_is_one_sentence_and_may_be_asked_again(stranger
 def answered(stranger: Path, answer: bytes) -> tuple[int, str]:
     """A run on a terminal on which somebody types an answer: its exit code and what was seen."""
     ours, theirs = pty.openpty()
-    words = ["run", str(stranger), "--engine", "pymunk", "--no-report", "--json"]
+    words = [
+        "run",
+        str(stranger),
+        "--engine",
+        "pymunk",
+        "--contact",
+        "default",
+        "--no-report",
+        "--json",
+    ]
     process = subprocess.Popen(
         [sys.executable, "-m", "simcompare", *words, "--out", str(stranger.parent / "runs")],
         stdin=theirs, stdout=subprocess.DEVNULL, stderr=theirs,
