@@ -19,6 +19,7 @@ from simcompare.characterization.force import CASES
 from simcompare.engine.calibration import cache
 from simcompare.model.plain import of_plain, plain
 from simcompare.model.settings import CONTACT_LEVELS
+from simcompare.notation import capital
 from simcompare.reports import builder
 from simcompare.reports.characterization import bounce_figures, findings, words
 from simcompare.reports.characterization import page as characterized
@@ -196,7 +197,7 @@ def beyond(step_s):
 @pytest.mark.parametrize("level", ["coefficients", "tuned", "assisted"])
 def test_where_a_bounce_dies_is_told_with_its_level(level):
     text = said(bounce_of("a", level), bounce_of("b", level, dies_below_m_s=0.12))
-    head = words.capital(words.HEADS[level])
+    head = capital(words.HEADS[level])
     assert f"{head}, slower impacts: the bounce dies below 0.12 m/s in b." in text
 
 
