@@ -4,22 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import TypeVar
 
 from simcompare.model import plain
 from simcompare.results import store
+from simcompare.results.records.answered import Answered
 
-
-class _Result(Protocol):
-    """A record that knows when it was made; it has a field ``folder``."""
-
-    __dataclass_fields__: ClassVar[dict[str, Any]]
-
-    @property
-    def created(self) -> str: ...
-
-
-Found = TypeVar("Found", bound=_Result)
+Found = TypeVar("Found", bound=Answered)
 
 
 def save(found: Found, out: Path, name: str, file: str) -> Found:

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from simcompare.characterization.behaviour import Behaviour
-from simcompare.results.records.run import Software
+from simcompare.results.records.answered import Answered
 from simcompare.running.jobs import exit_code_of
-
-#: version of what is stored
-FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -52,26 +48,17 @@ class Trial:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Characterization:
+class Characterization(Answered):
     """What the experiments found.
 
     Attributes:
-        format: version of what is stored.
-        created: date and time, ISO 8601.
-        title: of the page.
-        question: that the experiments ask.
         step_s: the engine's step [s].
         experiments: their names.
         contact: contact levels.
-        engines_asked: the engines as the user named them.
         sentences: what there is to see.
         answers: what each engine did.
-        software: versions.
-        folder: where it is stored, ``None`` where it is not.
     """
 
-    format: int = FORMAT
-    created: str
     title: str = "How engines behave"
     question: str = (
         "What does each engine make of a bounce, of friction, of a joint and of a force, at which"
@@ -80,11 +67,8 @@ class Characterization:
     step_s: float
     experiments: tuple[str, ...]
     contact: tuple[str, ...]
-    engines_asked: str
     sentences: tuple[Sentence, ...]
     answers: tuple[Trial, ...]
-    software: Software
-    folder: Path | None = None
 
     @property
     def exit_code(self) -> int:

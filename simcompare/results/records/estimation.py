@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from simcompare.estimation.consistency import Verdict
 from simcompare.estimation.estimate import Number
 from simcompare.estimation.joint_angle_study import Feasibility
 from simcompare.model.plain import Finite
 from simcompare.model.sensor_errors import SensorErrors
-from simcompare.results.records.run import Software
+from simcompare.results.records.answered import Answered
 from simcompare.running.jobs import OK, exit_code_of
-
-#: version of what is stored
-FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -127,14 +123,10 @@ class SourceEstimate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Estimation:
+class Estimation(Answered):
     """What sensors told of a motion.
 
     Attributes:
-        format: version of what is stored.
-        created: date and time, ISO 8601.
-        title: of the page.
-        question: that is asked.
         scenario: its name.
         estimator: its name.
         sensors: sensor -> data sheet, or own errors, that it has.
@@ -145,18 +137,11 @@ class Estimation:
         draws: how often each motion was measured.
         seed: of the draws.
         recording: name of it; empty where engines were measured.
-        engines_asked: the engines as the user named them.
         sentences: what there is to see.
         sources: what was estimated of each.
         command: words of the command line that do the same again.
-        software: versions.
-        folder: where it is stored, ``None`` where it is not.
     """
 
-    format: int = FORMAT
-    created: str
-    title: str
-    question: str
     scenario: str
     estimator: str
     sensors: Mapping[str, SensorErrors]
@@ -171,8 +156,6 @@ class Estimation:
     sentences: tuple[str, ...] = ()
     sources: tuple[SourceEstimate, ...]
     command: tuple[str, ...]
-    software: Software
-    folder: Path | None = None
 
     @property
     def done(self) -> list[SourceEstimate]:

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from simcompare.results.records.run import Software
+from simcompare.results.records.answered import Answered
 from simcompare.running.jobs import OK, exit_code_of
 
-#: version of what is stored
-FORMAT = 1
 #: a source that is mathematics
 CLOSED_FORM = "closed form"
 #: how a source stands to the table
@@ -174,15 +171,11 @@ class TabledResult:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TableValidation:
+class TableValidation(Answered):
     """A table of results against simulations.
 
     Attributes:
-        format: version of what is stored.
-        created: date and time, ISO 8601.
         scenario: its name.
-        title: of the page.
-        question: that is answered.
         recording: the file, as the user called it.
         sha256: of the file.
         columns: what each of its columns was taken for.
@@ -191,17 +184,10 @@ class TableValidation:
         remarks: what was noticed while the table was read.
         beyond: why the closed form does not hold.
         contact: contact level of the engines.
-        engines_asked: the engines as the user named them.
         command: that makes it again.
-        software: versions.
-        folder: where it is stored, ``None`` where it is not.
     """
 
-    format: int = FORMAT
-    created: str
     scenario: str
-    title: str
-    question: str
     recording: str
     sha256: str
     columns: tuple[TabledColumn, ...]
@@ -210,10 +196,7 @@ class TableValidation:
     remarks: tuple[str, ...] = ()
     beyond: tuple[str, ...] = ()
     contact: str
-    engines_asked: str
     command: str
-    software: Software
-    folder: Path | None = None
 
     @property
     def exit_code(self) -> int:

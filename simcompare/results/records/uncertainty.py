@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from simcompare.propagation.inputs import Input
 from simcompare.propagation.propagated import Propagated
-from simcompare.results.records.run import Software
+from simcompare.results.records.answered import Answered
 from simcompare.running.jobs import OK, exit_code_of
 
-#: version of what is stored
-FORMAT = 1
 #: ways to a result that are no engines
 FORMULA, CLOSED_FORM = "formula", "closed form"
 
@@ -40,14 +37,10 @@ class Way:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Uncertainty:
+class Uncertainty(Answered):
     """How well a result is known.
 
     Attributes:
-        format: version of what is stored.
-        created: date and time, ISO 8601.
-        title: of the page.
-        question: that is answered.
         subject: name of the scenario, or the formula.
         of: the result; empty for that of a formula.
         unit: its unit.
@@ -55,16 +48,9 @@ class Uncertainty:
         correlation: pairs of inputs with their coefficients.
         ways: to the result, mathematics first.
         beyond: why the closed form does not hold, or not for all that the inputs may be.
-        engines_asked: the engines as the user named them.
         command: that makes it again.
-        software: versions.
-        folder: where it is stored, ``None`` where it is not.
     """
 
-    format: int = FORMAT
-    created: str
-    title: str
-    question: str
     subject: str
     of: str
     unit: str
@@ -72,10 +58,7 @@ class Uncertainty:
     correlation: tuple[tuple[str, str, float], ...] = ()
     ways: tuple[Way, ...]
     beyond: tuple[str, ...] = ()
-    engines_asked: str = ""
     command: str
-    software: Software
-    folder: Path | None = None
 
     @property
     def known(self) -> tuple[tuple[Way, Propagated], ...]:
