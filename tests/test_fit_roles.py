@@ -9,8 +9,6 @@ from simcompare.scenarios import catalogue
 from tests.present import INSTALLED
 from tests.test_fitting import E, stopwatch
 
-ROLES = "  restitution: restitution\n"
-
 
 def ball_text():
     return catalogue.load("ball").path.read_text(encoding="utf-8")

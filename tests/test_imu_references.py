@@ -24,8 +24,6 @@ from simcompare.scenarios.imu_rest import reference as rest
 from simcompare.scenarios.linear_response import Pieces
 
 AXES = ("x", "y", "z", "yaw", "pitch", "roll")
-#: mass or moment of what each joint alone carries, over that of the carriage
-ALONE = {"x": 16, "y": 8, "z": 2, "yaw": 4, "pitch": 2, "roll": 1}
 
 
 def scene(name, **changes):

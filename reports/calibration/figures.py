@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from simcompare.reports.calibration import words
-from simcompare.reports.render.figures import Band, Figure, Panel, Series
+from simcompare.reports.render.figures import Figure, Panel, Series
 from simcompare.reports.render.styles import Style
 from simcompare.results.records.calibration import CalibrationRecord
 from simcompare.units import symbol
 
 _BEFORE = Style("#D55E00", marker="square")
 _FITTED, _OTHERS = Style("#0072B2"), Style("#0072B2", marker="diamond", hollow=True)
-_ZERO = (Band(0.0, 0.0, "", 0.0),)
 
 
 def of(record: CalibrationRecord) -> Figure:

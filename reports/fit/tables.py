@@ -18,8 +18,6 @@ from simcompare.results.records.fit_parts import ENGINE, EngineParameter
 from simcompare.results.records.fit_waveforms import WaveParameter
 from simcompare.results.run import Run
 
-#: lines of a list that is shown without being asked for
-_SHORT = 8
 #: criteria above this are written as powers of ten
 _LARGE = 1e4
 

@@ -100,17 +100,11 @@ def drift(
     )  # fmt: skip
 
 
-def ellipse(covariance: Array, probability: float = COVERED, points: int = 73) -> Array:
-    """Border of the region that covers a place with this probability, about (0, 0) (points, 2).
-
-    Args:
-        covariance: of the place (2, 2).
-        probability: of the region.
-        points: on the border, the first again at the end.
-    """
+def ellipse(covariance: Array) -> Array:
+    """Border (n, 2) about (0, 0) of the region that covers a place of that covariance (2, 2)."""
     size, axes = np.linalg.eigh(covariance)
-    half = np.sqrt(np.maximum(size, 0) * -2 * math.log(1 - probability))
-    angle = np.linspace(0, 2 * math.pi, points)
+    half = np.sqrt(np.maximum(size, 0) * -2 * math.log(1 - COVERED))
+    angle = np.linspace(0, 2 * math.pi, 73)
     return np.asarray(np.column_stack((np.cos(angle), np.sin(angle))) * half @ axes.T)
 
 
