@@ -33,6 +33,9 @@ from simcompare.validation.tabled.headings import (
 )
 from simcompare.validation.tabled.vocabulary import Entry, Vocabulary, of_scenario, spoken
 
+#: more columns than somebody writes by hand
+_MAX_COLUMNS = 100
+
 
 @dataclass(frozen=True)
 class Read:
@@ -91,9 +94,10 @@ def fitting(path: Path) -> list[str]:
 
 def _opened(path: Path) -> Opened | None:
     try:
-        return results_table.opened(path) if path.is_file() else None
+        table = results_table.opened(path) if path.is_file() else None
     except (InputError, OSError):
         return None
+    return table if table is not None and len(table.headings) <= _MAX_COLUMNS else None
 
 
 def is_one(table: Opened, file: ScenarioFile) -> bool:
