@@ -147,22 +147,27 @@ def test_lines_above_the_table_say_parameters(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("scenario", "text", "set_to", "result"),
+    ("scenario", "text", "set_to", "result", "decisive"),
     [
         ("ball", "drop height (cm),rebound height (cm)\n50,32\n80,51\n", "drop_height_m",
-         "rebound_height"),
+         "rebound_height", "restitution"),
         ("ball", "height (m),total time (s)\n0.5,2.9\n0.8,3.6\n", "drop_height_m",
-         "settling_time"),
+         "settling_time", "restitution"),
         ("motor_bench", "Voltage (V),idle speed (rpm)\n3,4700\n4,6300\n", "voltage_V",
-         "no_load_speed"),
+         "no_load_speed", "torque_constant_N_m_A"),
         ("sliding_block", "v0 (m/s),braking distance (cm)\n1,17\n2,68\n", "start_speed_m_s",
-         "final_position"),
+         "final_position", "friction"),
     ],
 )  # fmt: skip
-def test_other_scenarios_have_tables_too(tmp_path, scenario, text, set_to, result):
+def test_other_scenarios_have_tables_too(tmp_path, scenario, text, set_to, result, decisive):
     found = read(tmp_path, text, scenario)
-    assert [*found.found[0].set] == [set_to]
-    assert [*found.found[0].readings] == [result]
+    first = found.found[0]
+    assert ([*first.set], [*first.readings]) == ([set_to], [result])
+    form = ClosedForm(Setting(catalogue.load(scenario)), found.entries)
+    (value,) = form.of([first.set])[0].values()
+    # the tables are made up from a like motion, to a tenth
+    assert value == pytest.approx(first.readings[result].mean, rel=0.1)
+    assert decisive in form.decisive(first)
 
 
 def test_a_log_of_samples_is_no_table(tmp_path):

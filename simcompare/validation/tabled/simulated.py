@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -27,6 +28,7 @@ from simcompare.validation.tabled.experiments import Experiment
 from simcompare.validation.tabled.vocabulary import Entry
 
 Values = dict[str, float | None]
+Row = Mapping[str, float]
 #: part by which a parameter is changed to see whether it matters; its square is nothing
 _SMALL = 0.01
 
@@ -156,23 +158,34 @@ class ClosedForm:
             if name not in one.set and values[name]:
                 away = _SMALL if values[name] * (1 + _SMALL) <= bounds.max else -_SMALL
                 moved[name] = {**one.set, name: values[name] * (1 + away)}
-        nominal, *found = self.of([one.set, *moved.values()])
+        rows = self._possible(moved)
+        nominal, *found = self.of([one.set, *rows.values()])
         return [
             name
-            for name, made in zip(moved, found, strict=True)
+            for name, made in zip(rows, found, strict=True)
             if any(_differ(nominal[result], value) for result, value in made.items())
         ]
 
+    def _possible(self, moved: Mapping[str, Row]) -> dict[str, Row]:
+        """Rows with which a scene can be built: a number of teeth has no hundredth more."""
+        found = {}
+        for name, row in moved.items():
+            with contextlib.suppress(InputError):
+                self.setting.scene(row)
+                found[name] = row
+        return found
+
     def effects(self, one: Experiment, nominal: Values) -> dict[str, dict[str, float]]:
         """Input -> result -> by how much the input's standard uncertainty changes it."""
-        values, signs, moved = self.setting.values(one.set), [], {}
+        values, signs, moved = self.setting.values(one.set), {}, {}
         for name, u in self.setting.u_of_inputs(one).items():
             bounds = self.setting.file.parameters[name]
-            signs.append(1 if values[name] + u <= bounds.max else -1)
-            moved[name] = {**one.set, name: max(values[name] + signs[-1] * u, bounds.min)}
+            signs[name] = 1 if values[name] + u <= bounds.max else -1
+            moved[name] = {**one.set, name: max(values[name] + signs[name] * u, bounds.min)}
+        rows = self._possible(moved)
         found = {
-            name: _changes(made, nominal, sign)
-            for name, made, sign in zip(moved, self.of([*moved.values()]), signs, strict=True)
+            name: _changes(made, nominal, signs[name])
+            for name, made in zip(rows, self.of([*rows.values()]), strict=True)
         }
         return {name: changes for name, changes in found.items() if any(changes.values())}
 
