@@ -150,6 +150,19 @@ def _rigol(label: str, lines: Sequence[str]) -> Plan | None:
     return Plan("Rigol", sniff.below_header(label, lines, 2, names), start, step, counter=counter)
 
 
+def _increments(label: str, lines: Sequence[str]) -> Plan | None:
+    """``CH1V,CH2V,t0 =-0.05, tInc = 1e-05`` above rows without a time."""
+    cells = [cell.strip() for cell in _cell.split(lines[0], ",")] if lines else []
+    said = {m[1]: m[2] for m in (re.fullmatch(r"(t0|tInc)\s*=\s*(\S+)", c) for c in cells) if m}
+    start, step = (_cell.number(said.get(key, "")) for key in ("t0", "tInc"))
+    heads = [c for c in cells if c and "=" not in c]
+    if start is None or step is None or not step > 0 or not heads or heads[0].startswith("Time"):
+        return None
+    parts = [re.fullmatch(r"(\w+\d)\s?\(?([VAW])\)?", head) for head in heads]
+    names = [(p[1], p[2]) if p else (head, "") for p, head in zip(parts, heads, strict=True)]
+    return Plan("Rigol", sniff.below_header(label, lines, 1, names), start, step)
+
+
 def _settings_beside(label: str, lines: Sequence[str]) -> Plan | None:
     """Tektronix: settings in the left columns, time and value in the fourth and fifth."""
     first = _cell.split(lines[0], ",") if lines else []
@@ -256,6 +269,7 @@ def _schwarz(label: str, lines: Sequence[str]) -> Plan | None:
 
 _LAYOUTS: dict[str, Callable[[str, Sequence[str]], Plan | None]] = {
     "Rigol": _rigol,
+    "Rigol with increments": _increments,
     "Tektronix": _settings_beside,
     "Tektronix or Siglent": _keyed,
     "Keysight": _keysight,

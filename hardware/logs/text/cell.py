@@ -237,7 +237,7 @@ def about_of(lines: Sequence[str]) -> dict[str, str]:
         text = line.strip().lstrip("#%/!").strip().strip('"')
         match = re.match(r"([^:=,;\t]{1,60}?)\s*[:=,;\t]\s*(.+)", text)
         if match:
-            about.setdefault(match[1].strip(' "'), match[2].strip(' ",;\t')[:400])
+            about.setdefault(match[1].strip(' "'), match[2].strip(' ",;:=\t')[:400])
         elif text.strip(",;\t "):
             about.setdefault(f"remark {len(about) + 1}", text.strip(",;\t ")[:400])
     return about

@@ -8,13 +8,14 @@ from collections.abc import Mapping
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.logs.text import cell as _cell
+from simcompare.hardware.logs.text import clocks
 from simcompare.hardware.logs.text.marks import mark_of
 
 _OF = r"(?:sampl(?:e|ing)|scan|acquisition|frame|log(?:ging)?|data|update|output)[ _-]*"
 _RATE = re.compile(rf"{_OF}(?:rate|freq(?:uency)?)|fs|fps|abtastrate", re.IGNORECASE)
 _INTERVAL = re.compile(
     rf"{_OF}(?:interval|period|time|step)|time[ _-]?(?:step|increment|interval)|dt|delta[ _]?t"
-    r"|t ?inc|(?:x ?)?increment", re.IGNORECASE,
+    r"|t ?inc|(?:x ?)?increment|clock", re.IGNORECASE,
 )  # fmt: skip
 _VALUE = re.compile(r"([-+.,\d]+(?:[eE][-+]?\d+)?)\s*([^\s,;]*)")
 #: samples in a second, as they are written beside Hz
@@ -46,6 +47,7 @@ def _rate(name: str, number: float, unit: str) -> float | None:
     if not _INTERVAL.fullmatch(name):
         return None
     # without a unit, a whole number may count milliseconds as well
+    unit = clocks.spelled(unit) or unit  # a clock of 400 uS counts no siemens
     factor = _si(unit, "s") if unit else float(number < 1)
     return 1 / (number * factor) if factor else None
 

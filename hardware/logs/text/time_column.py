@@ -6,6 +6,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware import proposed_time
@@ -22,6 +24,8 @@ from simcompare.model.recording import INFO, Clock, Repair
 
 #: name of a clock that nothing tells
 NO_CLOCK = "no clock"
+#: the share of rows in which a clock is read
+_WHOLE = 0.5
 #: nanoseconds from 1970 to 2000 and to 2100
 _Y2000, _Y2100 = 946_684_800 * 10**9, 4_102_444_800 * 10**9
 
@@ -104,6 +108,10 @@ def choose(
     if column is None and side_by_side.blocks(table.columns, names):
         column = columns[0]
         columns = [column]
+    whole = [c for c in columns if np.isfinite(c.values).mean() > _WHOLE]
+    if column is None and len(whole) == 1:  # the other one is empty but for a few rows
+        columns = whole
+        column = whole[0]
     if column is None:
         raise InputError(label, [proposed_time.several(columns)])
     if len(columns) > 1:
