@@ -137,9 +137,10 @@ def test_a_column_of_types_parts_the_rows_that_share_its_header(read):
     assert made.streams["gyr"].channels["value_m"].values[0] == 7
 
 
-def test_a_text_column_that_tells_no_type_stays_one(read):
+@pytest.mark.parametrize("mark", ["", "# "])
+def test_a_text_column_that_tells_no_type_stays_one(read, mark):
     text = "".join(f"{'up' if i % 3 else 'down'},{10 * i},{0.1 * i:.2f}\n" for i in range(60))
-    made = read("state,t_ms,x (m)\n" + text)
+    made = read(f"{mark}state,t_ms,x (m)\n" + text)
     assert shape(made) == {"log": (60, ["x_m"])}
 
 

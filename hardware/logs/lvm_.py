@@ -17,7 +17,7 @@ from simcompare.hardware.logs.text.marks import marks as decimal_marks
 from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.logs.text.state import Table
 from simcompare.hardware.mapping import Mapping
-from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream
+from simcompare.hardware.raw import Head, RawColumn, RawLog, RawStream, told_apart
 from simcompare.model.recording import WARNING, Clock, Repair
 from simcompare.model.trajectory import Array
 
@@ -180,9 +180,9 @@ def _channels(segment: _Segment, x_columns: str) -> list[tuple[str, str]]:
     names = segment.names[:-1] if segment.names[-1:] == ["Comment"] else segment.names
     names = [name for name in names if name]
     if x_columns == "multi":
-        unique = _unique(names)
+        unique = told_apart(names)
         return list(zip(unique[1::2], unique[0::2], strict=False))
-    return [(name, "X_Value" if x_columns == "one" else "") for name in _unique(names[1:])]
+    return [(name, "X_Value" if x_columns == "one" else "") for name in told_apart(names[1:])]
 
 
 def _first_alike(name: str, names: Sequence[str], values: dict[str, Array]) -> str:
@@ -193,20 +193,11 @@ def _first_alike(name: str, names: Sequence[str], values: dict[str, Array]) -> s
     return next(n for n in names if np.array_equal(values[n], mine, equal_nan=True))
 
 
-def _unique(names: Sequence[str]) -> list[str]:
-    """Names of which none stands twice."""
-    unique: list[str] = []
-    for name in names:
-        count = 1 + sum(known == name or known.startswith(f"{name} #") for known in unique)
-        unique.append(name if count == 1 else f"{name} #{count}")
-    return unique
-
-
 def _layout(
     label: str, general: dict[str, list[str]], segment: _Segment, separator: str, x_columns: str
 ) -> Layout:
     """All columns as numbers, but for an empty first one and the comments."""
-    names = _unique([name for name in segment.names if name])
+    names = told_apart([name for name in segment.names if name])
     if not names:
         raise InputError(
             label, [f"line {segment.first - 1}: no names of columns; expected X_Value"]

@@ -14,6 +14,7 @@ import re
 import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -140,7 +141,7 @@ def _add(log: RawLog, name: str, source: _source.Source, device: dict[str, str])
     names = _cell.headings(_cell.split(source.head[0], separator))
     layout = sniff.below_header(source.label, source.head, 1, names, separator)
     table = _table.read(source, layout)
-    log.repairs += [_of_stream(repair, name) for repair in table.repairs]
+    log.repairs += [replace(repair, stream=name) for repair in table.repairs]
     if _INSTANT.fullmatch(names[0][0]):
         _add_instants(log, name, table)
         return
@@ -151,10 +152,6 @@ def _add(log: RawLog, name: str, source: _source.Source, device: dict[str, str])
         RawStream(name, table.columns, time, clock=Clock("experiment time"),
                   first_row=table.first_row, rows=table.rows, truncated=table.truncated)
     )  # fmt: skip
-
-
-def _of_stream(repair: Repair, name: str) -> Repair:
-    return Repair(**{**vars(repair), "stream": name})
 
 
 def _describe(column: RawColumn, device: dict[str, str]) -> None:

@@ -73,13 +73,14 @@ def _shared_header(
     rows = [line for line in lines if _kind(line, place) in usual]
     if sum(map(_has_number, rows)) < 0.5 * len(rows):
         return None
-    first = next((line for line in lines if not _cell.is_comment(line)), "")
-    if _kind(first, place) in usual:
-        return ""
-    names = _cell.split(first, max(",;\t|", key=first.count))
-    if len(names) < 3 or any(_cell.kind_of(name) != "text" for name in names):
-        return ""
-    return first if place is _FIRST and _TOLD_BY.fullmatch(names[0].strip()) else None
+    separator = max(",;\t|", key=rows[0].count)
+    width = len(_cell.split(rows[0], separator))
+    for line in lines[: lines.index(rows[0])]:
+        names = _cell.split(line.lstrip(" #%/!"), separator)
+        if len(names) == width > 2 and all(_cell.kind_of(name) == "text" for name in names):
+            told = place is _FIRST and _TOLD_BY.fullmatch(names[0].strip())
+            return line if told else None
+    return ""
 
 
 def _has_number(line: str) -> bool:

@@ -20,6 +20,7 @@ _WORDS = {
     "second": ("second", "seconds", "sec", "ss", "sekunde", "sekunden"),
     "millisecond": ("millisecond", "milliseconds", "msec", "millis", "ms"),
 }  # fmt: skip
+_DATE = ("year", "month", "day")
 _SECONDS = {"hour": 3600.0, "minute": 60.0, "second": 1.0, "millisecond": 1e-3}
 
 
@@ -30,9 +31,10 @@ def parts(layout: Layout) -> dict[str, int]:
         word = next((w for w, names in _WORDS.items() if name.strip().lower() in names), "")
         if word and layout.kinds[k] == "number":
             found.setdefault(word, k)
-    dated = [word in found for word in ("year", "month", "day")]
-    clock = all(word in found for word in ("hour", "minute", "second"))
-    return found if clock and any(dated) == all(dated) else {}
+    if not all(word in found for word in ("hour", "minute", "second")):
+        return {}
+    whole = all(word in found for word in _DATE)
+    return found if whole else {word: k for word, k in found.items() if word not in _DATE}
 
 
 def join(table: Table, names: dict[str, str]) -> list[Repair]:
@@ -55,7 +57,7 @@ def _days(columns: dict[str, RawColumn], seconds: object) -> np.ndarray:
     if "year" not in columns:
         steps = np.diff(np.asarray(seconds), prepend=np.asarray(seconds)[0])
         return np.cumsum(steps < -43_200.0)
-    year, month, day = (columns[word].values for word in ("year", "month", "day"))
+    year, month, day = (columns[word].values for word in _DATE)
     known = np.isfinite(year + month + day)
     full = np.where(year < 100, 2000 + year, year)
     months = np.where(known, (full - 1970) * 12 + month - 1, 0).astype(np.int64)
