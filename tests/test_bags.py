@@ -347,6 +347,16 @@ def test_stamps_that_are_all_zero_are_replaced_by_the_receipt_with_a_warning(bag
     assert [r.severity for r in log.repairs if r.rule == "no_header_stamp"] == ["warning"]
 
 
+def test_a_stamp_that_never_goes_on_is_replaced_by_the_receipt_with_a_warning(bag):
+    # a node that sends its last command again and again
+    rows = [(ns, imu(bag, times()[0], i)) for i, ns in enumerate(times())]
+    log = load(bag.write({"/imu": ("sensor_msgs/msg/Imu", rows)}))
+    assert stream(log, "imu").time == "bag receive time"
+    told = [r for r in log.repairs if r.rule == "no_header_stamp"]
+    assert [r.severity for r in told] == ["warning"]
+    assert "the same in all messages" in told[0].text
+
+
 def test_a_simulated_clock_keeps_its_own_zero(bag):
     rows = [(5 * 10**9 + i, imu(bag, 5 * 10**9 + i * STEP_NS, i)) for i in range(COUNT)]
     one = stream(load(bag.write({"/imu": ("sensor_msgs/msg/Imu", rows)})), "imu")

@@ -118,11 +118,13 @@ class _Stream:
 
     def _clock(self) -> tuple[RawColumn, Clock]:
         table = self.table
-        if table.stamped and table.zeros < self.count:
+        stands = self.count > 1 and float(np.ptp(self.stamps)) == 0.0
+        if table.stamped and table.zeros < self.count and not stands:
             self._delay()
             return RawColumn(STAMP, self.stamps, "s"), Clock(STAMP, iso(table.first_ns[0]))
         if table.stamped:
-            text = "header.stamp is always 0; the time at which the bag received a message is used"
+            value = "always 0" if table.zeros == self.count else "the same in all messages"
+            text = f"header.stamp is {value}; the time at which the bag received a message is used"
             self._note("no_header_stamp", text, WARNING)
         else:
             text = "its messages have no header; the time at which the bag received them is used"

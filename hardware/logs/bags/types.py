@@ -47,6 +47,9 @@ UNITS: Mapping[str, Mapping[str, str]] = {
                        "position_covariance": "m^2", "position_covariance_type": "1"},
     f"{_S}NavSatStatus": {"*": "1"},
     f"{_S}Joy": {"*": "1"},
+    "ackermann_msgs/msg/AckermannDrive": {"steering_angle": "rad", "speed": "m/s",
+                                          "steering_angle_velocity": "rad/s",
+                                          "acceleration": "m/s^2", "jerk": "m/s^3"},
     "std_msgs/msg/Header": {"seq": "1"},
     "std_msgs/msg/Bool": {"data": "1"},
 }  # fmt: skip
