@@ -11,6 +11,7 @@ import pytest
 from simcompare.errors import InputError
 from simcompare.hardware import mapping
 from simcompare.hardware.logs import importers, profiles
+from simcompare.hardware.logs.text import cell
 from simcompare.verbs.import_log import import_log
 
 #: g_0 by its definition [m/s^2]
@@ -494,3 +495,26 @@ def test_a_damaged_file_of_matlab_version_4_is_refused(tmp_path):
     path.write_bytes(path.read_bytes()[:-8])
     with pytest.raises(InputError, match="the file ends before"):
         importers.read(path, "mat", mapping.NOTHING)
+
+
+def test_the_line_for_a_faulty_clock_opens_a_log_without_units(tmp_path):
+    # one line is promised: it has to hold the columns too
+    stamps = [0.01 * n + (-0.3 if n > 50 else 0.0) for n in range(100)]
+    path = tmp_path / "shimmer.csv"
+    path.write_text("time,lever\n" + "".join(f"{t:.2f},{np.sin(t):.4f}\n" for t in stamps))
+    with pytest.raises(InputError) as refused:
+        import_log(path)
+    assert re.search(r"\(clock_jump\).*\{time: \{rate_Hz: .*channels: \{", str(refused.value))
+
+
+@pytest.mark.parametrize(
+    ("heading", "name", "unit"),
+    [
+        ("Angle/rad", "Angle", "rad"),
+        ("AngVel/rad/s", "AngVel", "rad/s"),
+        ("phase/A", "phase/A", ""),  # a phase, not a current
+        ("pose/position/x", "pose/position/x", ""),
+    ],
+)
+def test_a_quantity_over_its_unit_needs_no_blanks(heading, name, unit):
+    assert cell.heading(heading) == (name, unit)

@@ -62,7 +62,7 @@ def refused(conversions: Iterable[Conversion]) -> list[str]:
 
 
 #: what a fault says to write into a mapping file about the time
-_TIME_LINE = re.compile(r'time: \{(?:[^{}"]|"(?:\\.|[^"\\])*")*\}$')
+_TIME_LINE = re.compile(r'time: \{(?:[^{}"]|"(?:\\.|[^"\\])*")*\}(?=(?: \(\w+\))?$)')
 
 
 def with_channels(fault: str, conversions: Iterable[Conversion]) -> str:
@@ -84,7 +84,7 @@ def with_channels(fault: str, conversions: Iterable[Conversion]) -> str:
     if not cures or any(one.channel for one in others):
         return fault
     more = f"; {_TEMPLATE}" if len(cures) > _SHOWN else ""
-    head = fault[: line.start()].rstrip(": ")
+    head = fault[: line.start()].rstrip(": ") + fault[line.end() :]
     plain = "where no unit is known, unit: 1 keeps a plain number"
     return f"{head}; {plain}{more}: {{{line[0]}, {_joined(cures[:_SHOWN])}}}"
 

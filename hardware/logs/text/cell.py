@@ -35,6 +35,8 @@ _SLASH = re.compile(r"(.*?)(?:\s+/\s+|\s+in\s+|,\s+)(\S+)")
 _DIN = re.compile(
     r"([A-Za-zΑ-ω](?:\w?|_\w+)|alpha|beta|gamma|phi|theta|omega)/(\([^()]+\)|[^/()\s]+)"
 )
+#: the same with a word; one letter after it may be a part, as in phase/A
+_WORD_OVER = re.compile(r"([A-Za-zΑ-ω][\w ]+)/([^/()\s\d]{2,}(?:/[^/()\s]+)?)")
 #: a unit before the end of a name, where no word can be meant: acc (m/s²) x
 _WITHIN = re.compile(r"(.*?)\s*[(\[]\s*([^()\[\]]*[/°²^][^()\[\]]*)\s*[)\]]\s*(.+)")
 _ONE_LETTER = re.compile(r"(.*?)\s*[(\[{<]\s*(\w)\s*[)\]}>]")
@@ -172,7 +174,7 @@ def heading(text: str) -> tuple[str, str]:
     match = _WITHIN.fullmatch(text)
     if match and is_unit(match[2]):
         return f"{match[1]} {match[3]}", match[2]
-    match = None if is_unit(text) else _DIN.fullmatch(text)
+    match = None if is_unit(text) else _DIN.fullmatch(text) or _WORD_OVER.fullmatch(text)
     if match and is_unit(match[2].strip("()")):
         return match[1], match[2].strip("()")
     return text, ""
