@@ -1,6 +1,7 @@
 """Runs whose sensors are not ideal: beside the ideal signals, and never in their scores."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -135,11 +136,16 @@ def test_a_stored_run_is_read_back_whole(sensed):
     assert again.record == sensed.record
 
 
-def test_a_changed_file_of_readings_is_refused(sensed, tmp_path):
-    import shutil
-
+@pytest.mark.parametrize("is_old", [False, True])
+def test_a_changed_file_of_readings_is_refused(sensed, tmp_path, is_old):
     copy = tmp_path / "run"
     shutil.copytree(sensed.folder, copy)
+    if is_old:  # a record that told the digest of the readings alone
+        record = json.loads((copy / "run.json").read_text(encoding="utf-8"))
+        digest = record.pop("tables")["readings.parquet"]["sha256"]
+        record["sensing"]["sha256"] = digest
+        (copy / "run.json").write_text(json.dumps(record), encoding="utf-8")
+        assert simcompare.load_run(copy).readings().equals(sensed.readings())
     with (copy / "readings.parquet").open("ab") as file:
         file.write(b"more")
     with pytest.raises(InputError, match=r"readings\.parquet: is not what was written: "):

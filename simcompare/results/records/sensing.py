@@ -96,7 +96,9 @@ class Sensing:
     Attributes:
         seed: of all that was drawn.
         sensors: one for each signal.
+        sha256: digest of the file of readings in runs that do not tell it of every table.
     """
 
     seed: int
     sensors: tuple[SensorRecord, ...]
+    sha256: str = ""
