@@ -5,6 +5,7 @@ EXAMPLES = {
         "simcompare run ball",
         "simcompare run ball --engine mujoco,pymunk --set drop_height=30cm",
         "simcompare run ball --step 0.5ms,2ms --details --open",
+        "simcompare run --resume runs/20260101-120000-ball",
     ),
     "list": ("simcompare list", "simcompare list -v"),
     "show": ("simcompare show ball", "simcompare show robot -v"),

@@ -47,7 +47,8 @@ class Kill:
 
     Attributes:
         kind: one of ``KINDS``.
-        moment: number of simulations that are kept then, or "writing": the run is being stored.
+        moment: number of simulations that are kept then, 0 when it has looked where to store them;
+            or "writing": the run is being stored.
         fault: what was lost, mixed or left; empty where nothing was.
         kept: simulations that were kept when it came.
     """
@@ -163,7 +164,7 @@ def run(out, *words):
 def has_come(out, moment):
     if moment == "writing":
         return any(out.glob(".*.partial")) and len(parts(out)) == REPEATS
-    return len(parts(out)) >= moment
+    return out.is_dir() and len(parts(out)) >= moment
 
 
 def folders(out):
