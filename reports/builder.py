@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
+import unicodedata
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -152,6 +153,7 @@ def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_TEMPLATES),
         autoescape=jinja2.select_autoescape(["html"]),
+        finalize=_visible,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -168,6 +170,17 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
+def _visible(value: object) -> object:
+    """A text of somebody else's without characters that steer, turn or hide, or are none."""
+    if not isinstance(value, str) or isinstance(value, Markup) or value.isprintable():
+        return value
+    return "".join("\ufffd" if _is_hidden(one) else one for one in value)
+
+
+def _is_hidden(one: str) -> bool:
+    return one not in "\n\t" and unicodedata.category(one) in ("Cc", "Cf", "Cs")
+
+
 def _figure_json(figure: Figure) -> Markup:
     return Markup(plotly_.embedded(figure))  # it has escaped itself
 
@@ -181,7 +194,7 @@ def _marked(text: str) -> Markup:
     marked = re.sub(
         r"(^·|[✓✗≠⇄])[^✓✗≠⇄,]*",  # a dot inside of a text is a product
         lambda found: f'<span class="{_MARKS[found[1]]}">{found[0]}</span>',
-        escape(text),
+        escape(_visible(text)),
     )
     return Markup(marked)
 

@@ -217,3 +217,12 @@ def test_a_value_of_an_event_has_no_digits_of_rounding():
                 if p.name == "events")  # fmt: skip
     (table,) = part.parts[-1].tables
     assert table.groups[0].rows == (("1", "0.45162 ± 0.00031", "0.451617"),)
+
+
+def test_no_name_steers_or_turns_what_a_page_shows():
+    """A page with NUL or with half of a pair of surrogates could not be read or written."""
+    evil = "a\x00\x1b[31m\x9b\u202eb\u200b\udc80"
+    found = page(*builder.blocks_of([changed(make_run(), title=evil, question=evil)]))
+    found.encode()
+    assert "a\ufffd\ufffd[31m\ufffd\ufffdb\ufffd\ufffd" in found
+    assert not set(evil) - set("a[31mb") & set(found)
