@@ -24,8 +24,6 @@ from simcompare.model.validity import Condition
 MAX_SAMPLES = 1e7
 #: joints with a coordinate, and what is recorded of them: coordinate, then rate
 MOVABLE = {"hinge": ("angle_rad", "rate_rad_s"), "slider": ("position_m", "velocity_m_s")}
-
-
 #: engines simulate ideal readings; errors are added to what was simulated
 _ERRORS = "what a real device would add to the ideal readings"
 
