@@ -19,7 +19,8 @@ def renamed(folder, **names):
     text = ball_text().replace("name: ball\n", "name: own_ball\n")
     for old, new in names.items():
         for before, after in (
-            (f"\n  {old}:\n", f"\n  {new}:\n"), (f": {old}\n", f": {new}\n"),
+            (f"\n  {old}:\n", f"\n  {new}:\n"),
+            (f"\n    {old}:\n", f"\n    {new}:\n"), (f": {old}\n", f": {new}\n"),
             (f", {old},", f", {new},"),
         ):  # fmt: skip
             text = text.replace(before, after)
