@@ -36,11 +36,12 @@ _BASIS = {
 def sentences(found: TableValidation) -> list[str]:
     """Which sources agree with the table, then what the table itself says."""
     said: list[str] = []
+    several = len(found.results) > 1
     for result in found.results:
         said += _verdicts(result)
         said += _timed(result)
         if result.timed is None:
-            said += _told(result)
+            said += _told(result, f"measured {spoken(result.name)}" if several else "table itself")
     said += [f"The closed form does not hold in some rows: {why}" for why in found.beyond]
     return said
 
@@ -141,10 +142,10 @@ def _timed(result: TabledResult) -> Iterator[str]:
         )
 
 
-def _told(result: TabledResult) -> Iterator[str]:
+def _told(result: TabledResult, by: str) -> Iterator[str]:
     for one in result.told[:1]:
         yield (
-            f"By the closed form the table itself says {spoken(one.name)} ="
+            f"By the closed form the {by} says {spoken(one.name)} ="
             f" {amount(one.value, one.expanded, one.unit)} (95 %)."
         )
     for one in result.told[1:]:

@@ -98,7 +98,8 @@ def _question(read: Read) -> str:
         spoken(one.entry) for one in read.columns
         if one.entry and one.entry.is_parameter and one.role == "parameter"
     ))  # fmt: skip
-    return f"Does every engine give the {names} that was measured, over {over}?"
+    verb = "was" if len(read.entries) == 1 else "were"
+    return f"Does every engine give the {names} that {verb} measured, over {over}?"
 
 
 def _column(one: Meaning) -> TabledColumn:
