@@ -151,6 +151,15 @@ def test_labelled_lines_of_two_kinds(read):
     assert shape(read(text, "log.txt")) == {"imu": (60, ["x_m"]), "bar": (60, ["p_Pa"])}
 
 
+def test_a_kind_of_words_alone_is_left_out_and_told(read):
+    text = "".join(
+        f"MSG,hello,{'a' * (i % 3 + 1)}\nIMU,{10 * i},{0.1 * i:.2f}\n" for i in range(60)
+    )
+    made = read("MSG,text,more\nIMU,t_ms,x_m\n" + text)
+    assert shape(made) == {"imu": (60, ["x_m"])}
+    assert any("msg" in one for one in told(made, "left_out_table"))
+
+
 def test_names_of_ardupilot_stand_in_its_format_lines(read):
     text = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
     text += "FMT, 130, 45, IMU, Qf, t_us,x_m\nFMT, 131, 45, BAT, Qf, t_us,Volt_V\n"

@@ -44,7 +44,16 @@ def recognises(head: Head) -> int:
     if not lines or lines[0].lstrip().startswith(("{", "<", "[{", "[[")):
         return 0
     try:
-        layout = sniff.sniff(_parts(_source.source_of(head.path))[0].source)
+        source = _source.source_of(head.path)
+        parts = _parts(replace(source, last=len(source.head)))
+    except InputError:
+        return 0
+    return max(_certainty(part.source) for part in parts)
+
+
+def _certainty(source: _source.Source) -> int:
+    try:
+        layout = sniff.sniff(source)
     except InputError as error:
         # a table in which something is wrong: its reader says what
         return 5 if any("line " in fault for fault in error.faults) else 0

@@ -20,6 +20,8 @@ from simcompare.model.recording import REPAIR, Repair
 _LOOKED_AT, _OTHERS = 400, 0.1
 #: lines that make a kind, and how many kinds there may be
 _MIN_ROWS, _MOST = 3, 60
+#: the share of rows that hold a number
+_NUMBERS = 0.2
 #: lines of a kind by which its layout is found
 _SAMPLE = 300
 _WORD = r"""(?:[#%]\s*)?["']?(?P<kind>[$A-Za-z_][\w./-]{0,24})["']?\s*(?:[,;|\t:]\s*|\s+)"""
@@ -71,7 +73,7 @@ def _shared_header(
 ) -> str | None:
     """The header of all kinds, empty where there is none; ``None`` for a table with a text."""
     rows = [line for line in lines if _kind(line, place) in usual]
-    if sum(map(_has_number, rows)) < 0.5 * len(rows):
+    if sum(map(_has_number, rows)) < _NUMBERS * len(rows):
         return None
     separator = max(",;\t|", key=rows[0].count)
     width = len(_cell.split(rows[0], separator))
