@@ -47,10 +47,13 @@ def read(
     """Reads and conditions a log with a mapping that has been read already."""
     # values of a damaged log may overflow; the checks look at what comes out
     with _told_with_path(path), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        before = _state(path)
         name = kind or mapping.format or importers.recognise(path)
         raw = importers.read(path, name, mapping)
         joints.settle(raw, mapping, path.name)
         size, digest = _measure(path)
+        if _state(path) != before:  # what was read and what was measured are not the same
+            raise InputError(str(path), ["changed while it was read; stop its recorder or copy it"])
         provenance = Provenance(
             path.name, digest, size, name, installed_version("simcompare") or "",
             "strict" if strict else "repair", about=about or {},
@@ -74,6 +77,15 @@ def _told_with_path(path: Path) -> Iterator[None]:
         if told == [*error.faults]:
             raise
         raise InputError(error.where, told) from error
+
+
+def _state(path: Path) -> tuple[int, int] | None:
+    """Size and time of the last change of a file."""
+    try:
+        about = path.stat()
+    except (OSError, ValueError):
+        return None  # its reader says what is wrong
+    return (about.st_size, about.st_mtime_ns) if path.is_file() else None
 
 
 def _measure(path: Path) -> tuple[int, str]:

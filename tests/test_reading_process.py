@@ -13,6 +13,7 @@ import pytest
 
 from simcompare.errors import InputError, NoSuchFile
 from simcompare.hardware import confined, importing, reading_process
+from simcompare.hardware.logs import importers
 from simcompare.hardware.mapping import NOTHING, of_tree
 
 linux = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="limits are Linux's")
@@ -171,6 +172,20 @@ def test_a_reader_that_fails_before_it_reads_says_why(log, monkeypatch):
     monkeypatch.setattr(reading_process, "serve", fail)
     with pytest.raises(InputError, match=r"its reader failed \(ValueError: it does not work\)"):
         reading_process.read(log, NOTHING)
+
+
+def test_a_log_that_is_still_written_is_refused(log, monkeypatch):
+    read = importers.read
+
+    def meanwhile(path, *rest):
+        found = read(path, *rest)
+        with log.open("a") as file:
+            file.write("3.0,1\n")
+        return found
+
+    monkeypatch.setattr(importers, "read", meanwhile)
+    with pytest.raises(InputError, match="changed while it was read"):
+        importing.read(log, NOTHING)
 
 
 def test_a_limit_that_is_no_number_is_refused(log, monkeypatch):
