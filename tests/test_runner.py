@@ -119,7 +119,7 @@ def test_every_fault_stays_with_its_engine(outcomes):
         "odd_note": "string",
         "writes_everywhere": "it sent bytes that are no frame; its process was ended",
         "closes_all": "the connection to simcompare is broken",
-        "hangs_up": "its process ended early",
+        "hangs_up": "hangs_up: its process",  # which ends itself, or is ended, whichever is first
         "forges": "it sent an answer that nobody asked for",
         "floods": "expected at most",
         "goes_behind_a_child": "its process ended early with exit code 9",
