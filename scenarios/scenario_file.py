@@ -298,22 +298,27 @@ def _read_with_bases(
         )
     if EXTENDS not in tree:
         return tree, lines, faults, ()
-    base = (path.parent / str(tree.pop(EXTENDS))).resolve()
+    told = tree.pop(EXTENDS)
+    base = _file_at(path.parent / str(told))
+    if base is None:
+        fault = f"line {lines[EXTENDS]}, extends: there is no file {told!s:.200}"
+        cure = "expected a path from this file, such as ../robot/robot.yaml"
+        raise InputError(str(path), [f"{fault}; {cure}"])
     if base in (*above, path.resolve()):
         raise InputError(str(path), [f"line {lines[EXTENDS]}, extends: {base.name} extends itself"])
-    if not base.is_file():
-        raise InputError(
-            str(path),
-            [
-                f"line {lines[EXTENDS]}, extends: there is no file {base};"
-                " expected a path from this file, such as ../robot/robot.yaml"
-            ],
-        )
     merged, _, below, bases = _read_with_bases(base, (*above, path.resolve()))
     if below:
         raise InputError(str(base), describe(below, {}))
     faults.update(_taken_from_nothing(merged, tree, ""))
     return _merged(inherited(merged, tree), tree), lines, faults, (base, *bases)
+
+
+def _file_at(path: Path) -> Path | None:
+    """A file, ``None`` where there is none, also for what can be no name of one."""
+    try:
+        return path.resolve() if path.is_file() else None
+    except (OSError, ValueError):
+        return None
 
 
 def _taken_from_nothing(base: Any, change: Any, place: str) -> dict[str, str]:  # noqa: ANN401

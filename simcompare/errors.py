@@ -114,10 +114,10 @@ class UnknownName(SimcompareError):
         self.kind, self.name, self.known = kind, name, tuple(sorted(known))
         near = difflib.get_close_matches(name, self.known, n=3, cutoff=0.5)
         if not self.known:
-            super().__init__(f"no {kind} is called {name!r}; there is none at all")
+            super().__init__(f"no {kind} is called {name!r:.100}; there is none at all")
             return
         hint = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(self.known)}"
-        super().__init__(f"no {kind} is called {name!r}; {hint}")
+        super().__init__(f"no {kind} is called {name!r:.100}; {hint}")
 
 
 class NoSuchFile(InputError):

@@ -323,3 +323,9 @@ def test_every_fault_of_an_estimate_is_told(fault):
         "estimate.speed_flter: no estimator is called 'speed_flter'; did you mean speed_filter or",
     ):
         assert part in message
+
+
+@pytest.mark.parametrize("name", ["x" * 5000, '"a\\0b"', "{a: 1}"])
+def test_what_can_be_no_name_of_a_file_is_told(write, name):
+    with pytest.raises(InputError, match=r"line 1, extends: there is no file .*; expected a path"):
+        catalogue.load(str(write("mine.yaml", f"extends: {name}\n")))
