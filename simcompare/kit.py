@@ -21,6 +21,7 @@ from simcompare.engine.helps.spring_contact import SOFT_STEP_S
 from simcompare.engine.kept import Keeper
 from simcompare.engine.kinematics import trees
 from simcompare.engine.library import OtherPython, PipPackage, Program, SharedLibrary
+from simcompare.engine.own_values import OwnValue
 from simcompare.engine.planar import PlanarSimulation
 from simcompare.engine.planar_joints import (
     PlanarHinge,
@@ -66,7 +67,7 @@ __all__ = [
     "CENTRED_EFFORTS", "COEFFICIENTS", "HALF_STEP_START", "HELPS", "JOINTS_AND_FORCES",
     "LANDING", "REACTIONS", "RECOIL", "RIMS", "SOFT_STEP_S", "SPATIAL_RIGID_BODIES", "SPRING",
     "TUNED", "Array", "Audit", "BodyState", "EngineBackend", "EngineBroken", "Feature",
-    "FreeCoordinates", "Held", "Keeper", "KnownLimit", "Numbers", "OtherPython", "Pair",
+    "FreeCoordinates", "Held", "Keeper", "KnownLimit", "Numbers", "OtherPython", "OwnValue", "Pair",
     "PipPackage", "PlanarHinge", "PlanarJoint", "PlanarMotion", "PlanarSimulation",
     "PlanarSlider", "PlanarWeld", "Point", "Program", "ReducedSimulation", "Rims", "Row",
     "Rule", "Scenario", "Scene", "SceneJoint", "Shape", "SharedLibrary", "SimulationDiverged",

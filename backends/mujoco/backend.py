@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import Any
 
@@ -18,6 +19,7 @@ from simcompare.kit import (
     SPRING,
     EngineBackend,
     KnownLimit,
+    OwnValue,
     PipPackage,
     Scene,
     Traits,
@@ -39,6 +41,17 @@ class MujocoBackend(EngineBackend):
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS})
     typed_as = "solref"
+    # one of its two forms; the other one is (-stiffness, -damping)
+    spring_values = (
+        OwnValue(
+            "solref.timeconst", "How slowly the contact's spring and damper act.", "s",
+            0.02, 0.002, 5.0, log=True,
+        ),
+        OwnValue(
+            "solref.dampratio", "How much the contact damps: 1 just does not bounce back.", "1",
+            1.0, 0.001, 2.0, log=True,
+        ),
+    )  # fmt: skip
     snippet = f"""<option timestep="{{step_s!r}}" cone="elliptic"/>
 <contact>
   <pair geom1="sphere" geom2="floor" solref="{{0!r}} {{1!r}}" solimp="{_SOLIMP}"/>
@@ -89,6 +102,13 @@ class MujocoBackend(EngineBackend):
         " cannot be landed on, ω = 2000 rad/s/max(1, 2ζ) at 50 µs, friction's damper ω; half of a"
         " joint's damping is its own, taken after the step, and half an actuator's, taken before it"
     )
+
+    def as_typed(self, numbers: tuple[float, ...]) -> tuple[float, ...]:
+        """(-stiffness, -damping) as (time constant, damping ratio), which is the same contact."""
+        if numbers[0] > 0:
+            return numbers
+        stiffness, damping = -numbers[0], -numbers[1]
+        return 2 / damping, damping / (2 * math.sqrt(stiffness))
 
     def make(self, engine: Any, scene: Scene) -> MujocoSimulation:
         # MuJoCo would write its warnings into a file where the user works; stderr is kept

@@ -197,7 +197,7 @@ class MujocoSimulation(ReducedSimulation):
             if springs
             else ("solref time constant", "solref damping ratio")
         )
-        units, note = ("s", "1"), "no bounce"
+        units, note = ("s", "1"), "" if pair.restitution > 0 else "no bounce"
         if put[0] < 0:
             units, note = ("1/s²", "1/s"), f"ζ = {-put[1] / 2 / math.sqrt(-put[0]):.6g}"
         return {

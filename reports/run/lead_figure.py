@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
+from simcompare.model.settings import (
+    ASSISTED,
+    BY_HAND,
+    COEFFICIENTS,
+    DEFAULT,
+    SHOWN_LEVELS,
+    TUNED,
+)
 from simcompare.model.trajectory import TRUTH
 from simcompare.notation import capital
 from simcompare.reports.render.figures import Figure, Note, Panel, Series, Span, spread
@@ -24,6 +31,7 @@ _STYLES = {
     COEFFICIENTS: Style("#E69F00", marker="x"),
     TUNED: Style("#0072B2", marker="square"),
     ASSISTED: Style("#009E73", marker="diamond"),
+    BY_HAND: Style("#882255", marker="star"),
     "fitted": Style("#CC79A7", marker="triangle-up"),
 }
 #: the panel beside the truth shows at least and at most so many tolerances to either side

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 
-from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, TUNED
+from simcompare.model.settings import ASSISTED, BY_HAND, COEFFICIENTS, DEFAULT, TUNED
 from simcompare.reports.run.listing import joined
 from simcompare.results.run import Run
 
@@ -48,5 +48,6 @@ _HOW = {
     DEFAULT: "By default",
     COEFFICIENTS: "With coefficients alone,",
     ASSISTED: "Assisted,",
+    BY_HAND: "With values set by hand,",
     "fitted": "With the fitted parameters,",
 }

@@ -9,7 +9,14 @@ from simcompare.comparison.comparison import PASS, Score
 from simcompare.errors import UnknownName
 from simcompare.measures import observe
 from simcompare.model.scenario import Probe, Tolerance
-from simcompare.model.settings import ASSISTED, COEFFICIENTS, DEFAULT, SHOWN_LEVELS, TUNED
+from simcompare.model.settings import (
+    ASSISTED,
+    BY_HAND,
+    COEFFICIENTS,
+    DEFAULT,
+    SHOWN_LEVELS,
+    TUNED,
+)
 from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.reports.render import numbers
 from simcompare.results.records.run import RunRecord, SourceRecord, StepRecord
@@ -21,6 +28,7 @@ _MODES = {
     COEFFICIENTS: ("coefficients typed in", "with coefficients"),
     TUNED: ("tuned, in a plain loop", "tuned"),
     ASSISTED: ("assisted, with our helps", "assisted"),
+    BY_HAND: ("with values set by hand", "by hand"),
     "fitted": ("fitted to a measurement", "fitted"),
 }
 

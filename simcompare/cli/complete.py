@@ -32,6 +32,15 @@ def contact_levels(incomplete: str) -> list[str]:
     return [mode for mode in modes if mode.startswith(incomplete)]
 
 
+def own_values(incomplete: str) -> list[str]:
+    """Contact values of engines, such as "pymunk.elasticity="."""
+    from simcompare.engine import engines
+    from simcompare.verbs import by_hand
+
+    names = [f"{engine}.{one.name}=" for engine in engines.names() for one in by_hand.known(engine)]
+    return [name for name in names if name.startswith(incomplete)]
+
+
 def tables(incomplete: str) -> list[str]:
     """Published tables of measured bounces; the shell itself adds files."""
     from simcompare.hardware.recordings import published

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 #: options that the API calls otherwise
 _FIELDS = {"settings": "set"}
+_OWN = "ENGINE.VALUE=number, such as pymunk.elasticity=0.9"
 
 
 def run(
@@ -45,6 +46,12 @@ def run(
     ),
     settings: list[str] = typer.Option(
         [], "--set", metavar="P=V", help="Change a parameter, such as drop_height=30cm."
+    ),
+    own: list[str] = typer.Option(
+        [],
+        metavar="ENGINE.VALUE=V",
+        help="Run an engine with a contact value of its own, such as pymunk.elasticity=0.9.",
+        autocompletion=complete.own_values,
     ),
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
     step: str = typer.Option(
@@ -82,8 +89,9 @@ def run(
     opening.check(opened, report=report)
     asked: Plain = {
         "engine": engine, "contact": contact, "assist": assist, "judge": judge,
-        "set": console.pairs(settings), "preset": preset, "step": step, "seeds": seeds,
-        "against": against, "sensor": _sheets(sensor), "seed": seed,
+        "set": console.pairs(settings), "own": console.pairs(own, "--own", _OWN),
+        "preset": preset, "step": step, "seeds": seeds, "against": against,
+        "sensor": _sheets(sensor), "seed": seed,
     }  # fmt: skip
     if resume is not None:
         _check_same(ctx, resume, experiment.request_of(scenario or "", **asked))

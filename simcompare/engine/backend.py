@@ -20,6 +20,7 @@ from simcompare.engine.calibration.tuned import tuned
 from simcompare.engine.features import Feature, needs
 from simcompare.engine.helps import LANDING, known, landing, spring_contact
 from simcompare.engine.library import Library
+from simcompare.engine.own_values import OwnValue, coefficient
 from simcompare.engine.read_back import audit_of, quantities
 from simcompare.engine.scene import Scene, Traits, make_scene
 from simcompare.engine.simulation import Simulation
@@ -28,7 +29,15 @@ from simcompare.engine.variants import Variant
 from simcompare.errors import EngineMissing, UnknownVariant, Unsupported
 from simcompare.model.audit import Audit
 from simcompare.model.scenario import Scenario
-from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, DEFAULT, SPRING, TUNED, Settings
+from simcompare.model.settings import (
+    ASSISTED,
+    COEFFICIENT,
+    CONTACT_LEVELS,
+    DEFAULT,
+    SPRING,
+    TUNED,
+    Settings,
+)
 from simcompare.model.trajectory import Trajectory
 from simcompare.model.tuning import TuningRow
 
@@ -79,6 +88,8 @@ class EngineBackend(ABC):
         helps: which of our helps it can take.
         script_module: module whose ``SCRIPT`` writes scenes as standalone scripts; empty for none.
         typed_as: what the engine calls the numbers that stand for a restitution, such as "solref".
+        spring_values: the numbers of a spring that stands for a restitution, as people type them;
+            empty where it is a coefficient.
         snippet: lines to copy into a loop of one's own, in which ``{0}``, ``{1}`` stand for those
             numbers, ``{step_s}`` for the step and ``{typed[NAME]}`` for what else was set; empty
             where the settings are listed.
@@ -96,6 +107,7 @@ class EngineBackend(ABC):
     helps: frozenset[str] = frozenset()
     script_module: str = ""
     typed_as: str = ""
+    spring_values: tuple[OwnValue, ...] = ()
     snippet: str = ""
     variants: Mapping[str, Variant] = MappingProxyType({})
     variant: str = ""
@@ -124,6 +136,17 @@ class EngineBackend(ABC):
     def bounces_by(self) -> str:
         """What stands for a pair's restitution; see ``Traits``."""
         return self.traits.bounces_by
+
+    @property
+    def own_values(self) -> tuple[OwnValue, ...]:
+        """What somebody types in to make a body bounce, in the order of ``Settings.numbers``."""
+        if self.traits.bounces_by != COEFFICIENT or not self.typed_as:
+            return self.spring_values
+        return (coefficient(self.typed_as),)
+
+    def as_typed(self, numbers: tuple[float, ...]) -> tuple[float, ...]:
+        """Numbers for a restitution, such as those of a fit, as ``own_values`` has them."""
+        return numbers
 
     def version(self) -> str:
         """Version of the installed engine, found without loading it."""

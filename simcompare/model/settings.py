@@ -10,6 +10,8 @@ from simcompare.model.scenario import Contact
 #: that the scenario states typed in, in a plain loop; the same with our helps
 DEFAULT, COEFFICIENTS, TUNED, ASSISTED = "default", "coefficients", "tuned", "assisted"
 CONTACT_LEVELS = (DEFAULT, COEFFICIENTS, TUNED, ASSISTED)
+#: how a run calls engines with contact values that the user typed in
+BY_HAND = "by hand"
 #: those in which an engine is shown, and not judged: nobody gave it all of the scenario's physics
 SHOWN_LEVELS = (DEFAULT, COEFFICIENTS)
 #: what stands for a pair's restitution in an engine

@@ -11,7 +11,7 @@ from simcompare.engine import engines
 from simcompare.engine.assist import chosen
 from simcompare.engine.helps import HELPS, known
 from simcompare.errors import InputError, UnknownName, unknown_or_missing
-from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, OLD_LEVELS, TUNED
+from simcompare.model.settings import ASSISTED, BY_HAND, CONTACT_LEVELS, OLD_LEVELS, TUNED
 from simcompare.running.jobs import UNSUPPORTED, Job, Outcome
 
 if TYPE_CHECKING:
@@ -41,9 +41,26 @@ def chosen_names(kind: str, asked: str | Sequence[str], known: Iterable[str]) ->
     return list(dict.fromkeys(wanted))
 
 
-def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | None]:
-    """Contact levels, and the fit where one of them is a file."""
+def chosen_levels(
+    contact: str | Sequence[str], *, by_hand: bool = False
+) -> tuple[list[str], FitFile | None]:
+    """Contact levels, and the fit where one of them is a file.
+
+    Args:
+        contact: what was asked for.
+        by_hand: whether engines were given values of their own, which then run as well.
+    """
     asked = [OLD_LEVELS.get(level, level) for level in names(contact)]
+    if not by_hand:
+        return _chosen_levels(asked)
+    modes, fit = _chosen_levels([level for level in asked if level != BY_HAND])
+    return [*modes, BY_HAND], fit
+
+
+def _chosen_levels(asked: Sequence[str]) -> tuple[list[str], FitFile | None]:
+    if BY_HAND in asked:
+        fault = f"{BY_HAND} needs values of an engine, such as --own pymunk.elasticity=0.9"
+        raise InputError("--contact", [fault])
     if set(asked) <= set(CONTACT_LEVELS):
         return list(dict.fromkeys(asked)), None
     from simcompare.results import fit_file
@@ -67,7 +84,7 @@ def chosen_levels(contact: str | Sequence[str]) -> tuple[list[str], FitFile | No
 
 def not_in_fit(jobs: Sequence[Job], fit: FitFile, file: ScenarioFile) -> list[Outcome]:
     """Jobs that ask for fitted numbers of an engine that was not fitted, refused unrun."""
-    fitted = [job for job in jobs if job.mode not in CONTACT_LEVELS]
+    fitted = [job for job in jobs if job.mode not in (*CONTACT_LEVELS, BY_HAND)]
     without = {job.engine for job in fitted if fit.of_engine(job.engine, file) is None}
     # no step makes it possible, but another choice of the user does
     return [

@@ -33,6 +33,7 @@ def run(
     assist: str | Sequence[str] = ALL,
     judge: str | Sequence[str] = ASSISTED,
     set: Mapping[str, str | float] | None = None,
+    own: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     step: str | float | Sequence[str | float] | None = None,
     seeds: int | None = None,
@@ -61,6 +62,8 @@ def run(
         judge: levels in which a tolerance that is missed is a failure of the run; "assisted"
             always is.
         set: parameters that differ from the file; text may carry a unit ("30cm").
+        own: an engine's own contact values for a bounce, such as ``{"pymunk.elasticity": 0.9}``;
+            with them the engine runs once more, at the level "by hand".
         preset: named set of parameters, applied first.
         step: the engine's step, "1ms" or in seconds; samples may be coarser. Of several, as a list
             or a text with commas, each makes a source of its own, such as "pymunk@2ms".
@@ -84,7 +87,7 @@ def run(
     """
     request = request_of(
         scenario, engine=engine, contact=contact, assist=assist, judge=judge, set=set,
-        preset=preset, step=step, seeds=seeds, against=against, sensor=sensor, seed=seed,
+        own=own, preset=preset, step=step, seeds=seeds, against=against, sensor=sensor, seed=seed,
     )  # fmt: skip
     plan = planned(request, trust=trust)
     if out is not None:

@@ -16,12 +16,13 @@ from simcompare.hardware.recordings import bounce_table
 from simcompare.hardware.recordings.bounce_table import BounceTable
 from simcompare.hardware.sensors.drawn import DrawnSensor
 from simcompare.model.scenario import Scenario
-from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, Settings
+from simcompare.model.settings import ASSISTED, BY_HAND, CONTACT_LEVELS, Settings
 from simcompare.results import sensing
 from simcompare.running.jobs import Job, Outcome
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
-from simcompare.verbs import levels
+from simcompare.verbs import by_hand, levels
+from simcompare.verbs.by_hand import ByHand
 from simcompare.verbs.request import RunRequest
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def planned(request: RunRequest, *, trust: bool = False) -> RunPlan:
     """
     engine = request.engine
     chosen = engines.select(engine)
-    modes, fit = levels.chosen_levels(request.contact)
+    modes, fit = levels.chosen_levels(request.contact, by_hand=bool(request.own))
     helps = levels.chosen_helps(request.assist, engine)
     levels.check_used(modes, helps, request.judge)
     judged = levels.judged_levels(request.judge, fit)
@@ -94,13 +95,14 @@ def planned(request: RunRequest, *, trust: bool = False) -> RunPlan:
     usual_s = None if fit is None else fit.usual_step_s
     sources = len(chosen) * len(modes)
     steps = at_steps(file, values, preset, steps_s or [usual_s], request.seeds, sources)
+    own = by_hand.read(request.own or {}, chosen, steps[0].nominal)
     devices = sensing.asked_devices(steps[0].nominal, request.sensor or {}, request.seed)
     jobs = [
         job
         for name in chosen
         for mode in modes
         for at in steps
-        for job in _jobs(file, name, mode, at, fit, helps)
+        for job in _jobs(file, name, mode, at, fit, helps, own)
     ]
     refused = [] if fit is None else levels.not_in_fit(jobs, fit, file)
     unfitted = {id(outcome.job) for outcome in refused}
@@ -150,11 +152,17 @@ def _jobs(
     at: AtStep,
     fit: FitFile | None,
     helps: frozenset[str] | None,
+    own: ByHand,
 ) -> list[Job]:
     """One job for each repeat; a fitted engine is given its own parameters.
 
+    By hand, engines run that were given values.
+
     Assisted, the nominal repeat is run once more without each of the helps that act in it.
     """
+    if mode == BY_HAND:
+        typed = [(i, s, own.settings(engine, s)) for i, s in enumerate(at.scenarios)]
+        return [Job(engine, s, how, i, mode, at=at.label) for i, s, how in typed if how]
     if fit is None or mode in CONTACT_LEVELS:
         settings = Settings(mode, helps=helps, drops=at.drops)
         jobs = [
