@@ -123,14 +123,14 @@ def test_a_page_holds_the_motion_and_stays_small(run: Result, tmp_path: Path) ->
     assert found == pytest.approx(replay.actors[0].motions["ball"].position_m, abs=1e-6)
     page = builder.write_html([run], tmp_path / "report.html").read_text(encoding="utf-8")
     assert text in page
-    assert "class Player" in page
+    assert "class Replay" in page
 
 
 def test_a_run_without_a_scene_has_no_player(run: Result, tmp_path: Path) -> None:
     """Those that were stored before scenes were."""
     old = replace(run, record=replace(run.record, scene={}))
     page = builder.write_html([old], tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "class Player" not in page
+    assert "class Replay" not in page
 
 
 def test_a_body_is_drawn_by_its_visual_and_simulated_by_its_shapes() -> None:

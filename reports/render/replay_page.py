@@ -19,11 +19,12 @@ _DIGITS = 7
 
 def embedded(replay: Replay) -> str:
     """A replay as JSON that can stand inside of a script element."""
-    text = json.dumps(_as_dict(replay), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    text = json.dumps(as_dict(replay), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
-def _as_dict(replay: Replay) -> Json:
+def as_dict(replay: Replay) -> Json:
+    """A replay as plain values; places of bodies are packed as base64."""
     return {
         "begin": float(replay.time_s[0]),
         "end": float(replay.time_s[-1]),
@@ -37,6 +38,7 @@ def _as_dict(replay: Replay) -> Json:
         "across": replay.across,
         "width": replay.width_m,
         "flat": replay.is_flat,
+        "upright": replay.is_upright,
     }
 
 

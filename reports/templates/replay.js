@@ -1,40 +1,59 @@
 "use strict";
-// every replay is played from the JSON in it; it is drawn when it comes into view
-(() => {
+// plays what bodies do, of several sources at once; the box around it has the stage and the controls
+const Replay = (() => {
   const LINE = 14, SHADE = { ambient: 0.65, diffuse: 0.6, specular: 0.1, roughness: 0.8 };
   // height of the stage, and its width over its height, in the units in which Plotly places the eye
   const HIGH = 1.15, WIDE = 0.85;
   const FLOOR = "#E8E8E8", SEEN = { several: 0.72, alone: 1 };
   const numbers = (text) => new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
   // where the eye stands, by the axis along which sources stand side by side
+  const FRONT = 1;
   const VIEWS = {
     "from the corner": (across) => (across === 1 ? { x: 0.75, y: -1.5, z: 0.75 } : { x: 1.5, y: -0.75, z: 0.75 }),
     "from the front": (across) => (across === 1 ? { x: 1.9, y: 0, z: 0.12 } : { x: 0, y: -1.9, z: 0.12 }),
     "from the side": (across) => (across === 1 ? { x: 0, y: -1.9, z: 0.12 } : { x: 1.9, y: 0, z: 0.12 }),
     "from above": () => ({ x: 0, y: -0.01, z: 2.2 }),
   };
-  class Player {
+  class Replay {
     constructor(box) {
       this.box = box;
-      this.scene = JSON.parse(box.querySelector("script").textContent);
       this.plot = box.querySelector(".stage");
       this.control = (name) => box.querySelector(`[name=${name}]`);
-      for (const actor of this.scene.actors) {
-        for (const motion of Object.values(actor.motions)) {
-          motion.at = numbers(motion.at);
-          motion.turn = numbers(motion.turn);
-        }
-      }
-      this.time = this.scene.begin;
       this.playing = false;
       this.control("play").addEventListener("click", () => this.toggle());
       this.control("time").addEventListener("input", (event) => this.seek(Number(event.target.value)));
       this.control("view").addEventListener("change", () => this.look());
       this.control("lanes").addEventListener("change", () => this.draw());
       if (this.control("level")) this.control("level").addEventListener("change", () => this.list());
-      this.list();
+      window.addEventListener("resize", () => this.draw());
     }
-    get level() { return this.control("level") ? this.control("level").value : this.scene.levels[0]; }
+    // shows a scene; the same one with other motions keeps how it is looked at
+    show(scene, isSame = false) {
+      if (this.playing) this.toggle();
+      for (const motion of scene.actors.flatMap((actor) => Object.values(actor.motions))) {
+        motion.at = numbers(motion.at);
+        motion.turn = numbers(motion.turn);
+      }
+      this.scene = scene;
+      this.time = scene.begin;
+      Object.assign(this.control("time"), { min: scene.begin, max: scene.end });
+      this.offer(scene.levels);
+      if (!isSame) {
+        this.control("lanes").checked = scene.flat;
+        this.control("view").selectedIndex = scene.flat && scene.upright ? FRONT : 0;
+        this.list();
+        if (this.plot.layout) this.look();
+      } else this.list();
+    }
+    // the levels of which one is shown
+    offer(levels) {
+      const list = this.control("level");
+      if (!list) return;
+      const last = list.value;
+      list.replaceChildren(...levels.map((level) => new Option(level, level, false, level === last)));
+      list.closest("label").hidden = levels.length < 2;
+    }
+    get level() { return this.scene.levels.length > 1 ? this.control("level").value : this.scene.levels[0]; }
     get candidates() { return this.scene.actors.filter((actor) => !actor.level || actor.level === this.level); }
     get shown() {
       const off = new Set([...this.box.querySelectorAll(".sources input")].filter((one) => !one.checked).map((one) => one.value));
@@ -123,7 +142,7 @@
       return Object.fromEntries(["x", "y", "z"].map((key, axis) => [key, sizes[axis] / unit]));
     }
     draw() {
-      if (!this.plot.clientWidth) return;
+      if (!this.scene || !this.plot.clientWidth) return;
       const shown = this.shown, shifts = this.shifts(shown), lanes = this.control("lanes").checked;
       const seen = shown.length > 1 && !lanes ? SEEN.several : SEEN.alone;
       const data = shown.map((actor, n) => this.mesh(this.corners(actor, shifts[n]), this.triangles(actor), actor.colour, seen, actor.label));
@@ -164,7 +183,7 @@
     toggle() {
       this.playing = !this.playing;
       const button = this.control("play");
-      button.textContent = this.playing ? "❚❚ Pause" : "▶ Play";
+      button.textContent = this.playing ? button.dataset.pause : button.dataset.play;
       if (!this.playing) return;
       if (this.time >= this.scene.end) this.time = this.scene.begin;
       let last = performance.now();
@@ -180,13 +199,18 @@
       requestAnimationFrame(step);
     }
   }
-  const players = new Map(), boxes = [...document.querySelectorAll(".replay")];
+  return Replay;
+})();
+
+// in a report every replay is played from the JSON in it; it is drawn when it comes into view
+(() => {
+  const boxes = new Set(document.querySelectorAll(".replay:has(> script)"));
   const begin = (box) => {
-    if (players.has(box) || !box.querySelector(".stage").clientWidth) return;
-    players.set(box, new Player(box));
+    if (!boxes.has(box) || !box.querySelector(".stage").clientWidth) return;
+    boxes.delete(box);
+    new Replay(box).show(JSON.parse(box.querySelector("script").textContent));
   };
   const watcher = new IntersectionObserver((seen) => seen.filter((one) => one.isIntersecting).forEach((one) => begin(one.target)), { rootMargin: "200px" });
   boxes.forEach((box) => watcher.observe(box));
-  window.addEventListener("resize", () => players.forEach((player) => player.draw()));
   window.addEventListener("beforeprint", () => boxes.forEach(begin));
 })();
