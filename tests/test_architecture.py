@@ -32,6 +32,7 @@ FLOORS = (
     ("exporters", "reports"),
     ("fitting", "validation"),
     ("verbs",),
+    ("lab",),
     ("cli",),
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}

@@ -106,6 +106,7 @@ def register() -> None:
         fit,
         gauge,
         import_,
+        lab,
         list_,
         report,
         run,
@@ -139,6 +140,7 @@ def register() -> None:
     _verb("tune", tune.tune, context_settings=foreign)
     _verb("validate", validate.validate)
     _verb("uncertainty", uncertainty.uncertainty)
+    _verb("lab", lab.lab)
     app.add_typer(data.data, name="data")
 
 

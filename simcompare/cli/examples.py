@@ -63,6 +63,10 @@ EXAMPLES = {
         "simcompare data fetch pendulum_free_swing",
         "simcompare validate pendulum --recording pendulum_free_swing",
     ),
+    "lab": (
+        "simcompare lab --open",
+        "simcompare lab --share --pin 4711 --folder lesson",
+    ),
     "uncertainty": (
         "simcompare uncertainty robot --of acceleration --engine mujoco",
         'simcompare uncertainty robot --u torque=1% --u "wheel_radius=±0.1mm"',

@@ -36,8 +36,19 @@ def open_page(page: Path | None) -> None:
     Args:
         page: the file; nothing is done where it is ``None``.
     """
-    if page is not None and not _opened(page.resolve().as_uri()):
-        typer.echo(f"No browser was found; open {page}", err=True)
+    if page is not None:
+        open_address(page.resolve().as_uri(), str(page))
+
+
+def open_address(address: str, shown: str = "") -> None:
+    """Opens an address in the browser; where there is none, says what to open.
+
+    Args:
+        address: of the page.
+        shown: what people call it.
+    """
+    if not _opened(address):
+        typer.echo(f"No browser was found; open {shown or address}", err=True)
 
 
 def _opened(address: str) -> bool:

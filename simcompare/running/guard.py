@@ -5,7 +5,6 @@ A worker cannot do so itself while its engine is in a long call of C.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import select
 import signal
@@ -19,9 +18,9 @@ def begin(descriptor: int) -> None:
     """
     if not hasattr(os, "fork") or os.fork():
         return
-    for other in {0, 1, 2} - {descriptor}:  # whoever waits for their end waits for the worker's
-        with contextlib.suppress(OSError):
-            os.close(other)
+    # whoever waits for the end of any other waits for the worker's
+    os.closerange(0, descriptor)
+    os.closerange(descriptor + 1, os.sysconf("SC_OPEN_MAX"))
     waiting = select.poll()
     waiting.register(descriptor, 0)  # nothing is read: only the end is waited for
     waiting.poll()

@@ -1,0 +1,182 @@
+"""One worker process of the lab: it does one job after the other, and is replaced where it dies."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import multiprocessing
+import os
+import signal
+import traceback
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from simcompare.errors import InputError, SimcompareError
+from simcompare.lab import progress
+from simcompare.model import whole
+from simcompare.running import guard
+
+#: what a summary holds of a result and of its request
+_SUMMED, _ASKED = ("sentence", "files", "exit"), ("scenario", "recording", "engines", "engine")
+
+#: what a job does: its kind and its request become a result
+Perform = Callable[[str, dict[str, Any]], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a worker is to do.
+
+    Attributes:
+        kind: of the job.
+        request: what it needs.
+        place: folder of its result; where it is ``None``, the result itself is the answer.
+    """
+
+    kind: str
+    request: dict[str, Any]
+    place: Path | None = None
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a job ended.
+
+    Attributes:
+        answer: the result as JSON, where it has no place of its own.
+        faults: a sentence each, where it failed.
+        fault: key of a sentence of the lab's own, where it failed otherwise.
+    """
+
+    answer: bytes = b""
+    faults: tuple[str, ...] = ()
+    fault: str = ""
+
+    @property
+    def is_fine(self) -> bool:
+        """Whether there is a result."""
+        return not (self.faults or self.fault)
+
+
+class Desk:
+    """A worker process.
+
+    Args:
+        perform: what a job does; a function of a module, as it travels by its name.
+    """
+
+    def __init__(self, perform: Perform) -> None:
+        self._perform = perform
+        self._begin()
+
+    @property
+    def progress(self) -> float:
+        """How far its job is, from 0 to 1."""
+        return float(self._share.value)
+
+    def _begin(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._share: Any = context.Value("d", 0.0, lock=False)
+        self._pid: Any = context.Value("l", 0, lock=False)
+        shared = (self._share, self._pid)
+        self._pool = ProcessPoolExecutor(1, context, initializer=_enter, initargs=shared)
+        self._warm: Future[None] = self._pool.submit(_load, self._perform)
+
+    async def do(self, task: Task, limit_s: float) -> Ending:
+        """Has a job done.
+
+        Args:
+            task: the job.
+            limit_s: seconds after which the worker is ended; it begins when the worker is ready.
+        """
+        self._share.value = 0.0
+        try:
+            await asyncio.wrap_future(self._warm)
+            done = self._pool.submit(_do, self._perform, task)
+            return await asyncio.wait_for(asyncio.wrap_future(done), limit_s)
+        except TimeoutError:
+            await asyncio.to_thread(self._replace)
+            return Ending(fault="too_long")
+        except BrokenProcessPool:
+            await asyncio.to_thread(self._replace)
+            return Ending(fault="died")
+
+    def _replace(self) -> None:
+        self.end()
+        self._begin()
+
+    def end(self) -> None:
+        """Ends the process and all that it has started."""
+        if self._pid.value:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._pid.value, signal.SIGKILL)
+        self._pool.shutdown(wait=bool(self._pid.value), cancel_futures=True)
+
+
+def _enter(share: Any, pid: Any) -> None:  # noqa: ANN401
+    """First of all in the worker: Ctrl-C reaches the server alone, whose end is ours, too."""
+    os.setsid()
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        guard.begin(parent.sentinel)
+    progress.tell_to(share)
+    pid.value = os.getpid()
+
+
+def _load(perform: Perform) -> None:
+    """Has arrived with its function, whose modules are imported now."""
+
+
+def _do(perform: Perform, task: Task) -> Ending:
+    """Does a job, in the worker."""
+    try:
+        result = perform(task.kind, task.request)
+        if task.place is not None:
+            _store(task, result)
+            return Ending()
+        return Ending(_written(result))
+    except SimcompareError as error:
+        return Ending(faults=_told(error, task.request))
+    except OSError as error:
+        traceback.print_exc()
+        return Ending(faults=(str(error.strerror or error),))
+    # engines and readers of files may raise anything; it spoils only this job
+    except (Exception, SystemExit):  # noqa: BLE001
+        traceback.print_exc()
+        return Ending(fault="broken")
+
+
+def _written(value: object) -> bytes:
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.encode("utf-8", "replace")
+
+
+def _store(task: Task, result: Mapping[str, Any]) -> None:
+    """Puts result and summary in their place, both or none."""
+    assert task.place is not None
+    asked = {name: value for name, value in task.request.items() if name != "folder"}
+    when = datetime.now(UTC).isoformat(timespec="seconds")
+    head = {"id": task.place.name, "kind": task.kind, "when": when}
+    ended = {"state": "done", "place": 0, "progress": 1.0}
+    summed = {name: result[name] for name in _SUMMED if name in result}
+    summed |= {name: asked[name] for name in _ASKED if name in asked}
+    task.place.parent.mkdir(parents=True, exist_ok=True)
+    with whole.folder(task.place) as made:
+        told = {**head, **ended, "request": asked, "result": result}
+        (made / "result.json").write_bytes(_written(told))
+        (made / "summary.json").write_bytes(_written({**head, **summed}))
+
+
+def _told(error: SimcompareError, request: Mapping[str, Any]) -> tuple[str, ...]:
+    """The sentences of an error, without the places of this machine."""
+    folder = str(request.get("folder", "\0"))
+    if not isinstance(error, InputError):
+        return (str(error).replace(folder, "").strip(),)
+    where = "" if folder in error.where else f"{error.where}: "
+    return tuple(f"{where}{fault}".replace(folder, "") for fault in error.faults)

@@ -1,0 +1,1 @@
+"""Pages of the lab, as jinja2 fills them."""

@@ -1,0 +1,1 @@
+"""What pages of the lab load: scripts and styles."""

@@ -1,0 +1,93 @@
+// The teacher's page: all groups, their results, and the queue. The PIN stays in this page.
+"use strict";
+const words = JSON.parse(document.getElementById("words").textContent);
+const byId = (id) => document.getElementById(id);
+const language = document.documentElement.lang;
+let pin = "";
+let isOpen = true;
+
+async function ask(path, options = {}) {
+  const headers = { "X-Pin": pin, "Accept-Language": language, ...(options.headers || {}) };
+  const answer = await fetch(path, { ...options, headers });
+  const told = await answer.json();
+  if (!answer.ok) throw new Error((told.faults || [answer.statusText]).join(" "));
+  return told;
+}
+
+function made(tag, text, more = {}) {
+  const element = Object.assign(document.createElement(tag), more);
+  if (text) element.textContent = text;
+  return element;
+}
+
+function link(group, file) {
+  const name = file.name || file;
+  return made("a", name, { href: `/files/${encodeURIComponent(group.key)}/${encodeURIComponent(name)}` });
+}
+
+function rowOf(group, result) {
+  const row = document.createElement("tr");
+  row.append(made("td", new Date(result.when).toLocaleTimeString(language)), made("td", result.kind));
+  const cell = made("td", result.sentence || "");
+  for (const name of result.files || []) cell.append(" ", link(group, name));
+  row.append(cell);
+  return row;
+}
+
+function sectionOf(group) {
+  const section = document.createElement("section");
+  const counts = `${group.results.length} ${words.teacher_results}, ${group.recordings.length} ${words.teacher_recordings}`;
+  section.append(made("h3", group.name), made("p", counts));
+  const table = document.createElement("table");
+  for (const result of group.results) table.append(rowOf(group, result));
+  section.append(table);
+  return section;
+}
+
+function showQueue(told) {
+  isOpen = told.open;
+  const state = isOpen ? words.teacher_open : words.teacher_closed;
+  byId("state").textContent = `${state} ${words.teacher_waiting} ${told.waiting}.`;
+  byId("switch").textContent = isOpen ? words.teacher_close : words.teacher_reopen;
+}
+
+async function show() {
+  const told = await ask("/api/teacher");
+  showQueue(told);
+  byId("groups").replaceChildren(...told.groups.map(sectionOf));
+  byId("enter").hidden = true;
+  byId("inside").hidden = false;
+}
+
+async function showCode() {
+  const told = await ask("/api/share");
+  if (!told.url) return;
+  const picture = made("img", "", { alt: told.url, width: 280 });
+  picture.src = `data:image/svg+xml;utf8,${encodeURIComponent(told.qr_svg)}`;
+  byId("code").replaceChildren(picture, made("p", told.url), made("p", told.sentence));
+}
+
+async function tried(what) {
+  try {
+    await what();
+    byId("fault").textContent = "";
+  } catch (error) {
+    byId("fault").textContent = error.message;
+  }
+}
+
+byId("enter").addEventListener("submit", (event) => {
+  event.preventDefault();
+  pin = byId("pin").value;
+  tried(async () => {
+    await show();
+    await showCode();
+    setInterval(() => tried(show), 5000);
+  });
+});
+
+byId("switch").addEventListener("click", () => tried(async () => {
+  const body = JSON.stringify({ open: !isOpen });
+  const headers = { "Content-Type": "application/json" };
+  showQueue(await ask("/api/teacher/queue", { method: "POST", body, headers }));
+}));
