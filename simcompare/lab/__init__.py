@@ -1,1 +1,1 @@
-"""The lab: a page in the browser that drops balls in all engines, beside the real one."""
+"""The lab: a web page on which students drop a ball and see every engine beside it."""

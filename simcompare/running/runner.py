@@ -35,8 +35,12 @@ _waiting: ContextVar[dict[str, EngineProcess] | None] = ContextVar("waiting", de
 def kept_processes() -> Iterator[None]:
     """Within it, an engine's process is kept from one ``run_jobs`` to the next.
 
-    To start one and to import what it needs takes longer than many jobs do.
+    To start one and to import what it needs takes longer than many jobs do. Where they are kept
+    already, they go on to be.
     """
+    if _waiting.get() is not None:
+        yield
+        return
     kept: dict[str, EngineProcess] = {}
     token = _waiting.set(kept)
     try:

@@ -1,0 +1,62 @@
+"""What the jobs of the lab do, each in a worker's process: a request becomes a result."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import multiprocessing
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from simcompare.errors import UnknownName
+from simcompare.glossary import LANGUAGES
+from simcompare.lab import facts, runs
+from simcompare.lab.asked import Asked
+from simcompare.model.plain import Plain
+from simcompare.running.runner import kept_processes
+
+_KEPT = contextlib.ExitStack()
+
+
+def perform(kind: str, request: Mapping[str, Any]) -> Plain:
+    """Does a job.
+
+    Args:
+        kind: "scenarios", "scenario", "run", "fit", "script", "report", "recording" or "scale".
+        request: what the page asks, with what the server adds to it.
+
+    Returns:
+        What JSON can hold.
+
+    Raises:
+        SimcompareError: what is wrong, in sentences.
+    """
+    if kind not in _KINDS:
+        raise UnknownName("kind of job", kind, _KINDS)
+    _keep_engines()
+    return _KINDS[kind](Asked(request))
+
+
+@functools.cache
+def _keep_engines() -> None:
+    """Lets engines' processes live as long as a worker: to start them takes a second each."""
+    if multiprocessing.parent_process() is None:  # nobody's worker
+        return
+    _KEPT.enter_context(kept_processes())
+
+
+def _scenarios(asked: Asked) -> Plain:
+    del asked
+    return facts.scenarios()
+
+
+def _scenario(asked: Asked) -> Plain:
+    language = asked.one_of("language", LANGUAGES, "en")
+    return facts.scenario(asked.scenario(key="name"), language)
+
+
+_KINDS: Mapping[str, Callable[[Asked], Plain]] = {
+    "scenarios": _scenarios,
+    "scenario": _scenario,
+    "run": runs.run,
+}
