@@ -106,7 +106,9 @@ async def _scenario(request: Request) -> Response:
 
 async def _add_job(request: Request) -> Response:
     lab, asked = _lab(request), await uploads.document(request)
-    job = lab.job(asked, _language(request))
+    wish = request.query_params.get("lang") or asked.get("language")
+    spoken = refusals.language_of(wish, request.headers.get("accept-language", ""))
+    job = lab.job(asked, spoken)
     return _said(request, {"id": job.id, "place": lab.queue.place(job)}, 202)
 
 

@@ -57,7 +57,7 @@ def sentences(language: str) -> dict[str, str]:
     return dict(yaml_file.read_yaml(_TEXTS / f"server_{language}.yaml")[0])
 
 
-def language_of(wish: str | None, accepted: str) -> str:
+def language_of(wish: object, accepted: str) -> str:
     """The language to be spoken.
 
     Args:
