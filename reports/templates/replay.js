@@ -4,6 +4,8 @@ const Replay = (() => {
   const LINE = 14, SHADE = { ambient: 0.65, diffuse: 0.6, specular: 0.1, roughness: 0.8 };
   // height of the stage, and its width over its height, in the units in which Plotly places the eye
   const HIGH = 1.15, WIDE = 0.85;
+  // more names than these stand in two rows
+  const CLOSE = 5;
   const FLOOR = "#E8E8E8", SEEN = { several: 0.72, alone: 1 };
   const numbers = (text) => new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
   // where the eye stands, by the axis along which sources stand side by side
@@ -127,7 +129,7 @@ const Replay = (() => {
       const { low, high, across } = this.scene;
       const axes = [0, 1, 2].map((axis) => shifts.map((shift) => (axis === across ? (low[axis] + high[axis]) / 2 + shift : low[axis])));
       const [x, y, z] = axes;
-      return { type: "scatter3d", mode: "text", x, y, z, text: shown.map((one) => one.label.replace(/ \(.*/, "")), textfont: { size: LINE - 1, color: "#222" }, textposition: "bottom center", hoverinfo: "skip" };
+      return { type: "scatter3d", mode: "text", x, y, z, text: shown.map((one, i) => (shown.length > CLOSE && i % 2 ? "\u00a0<br>" : "") + one.label.replace(/ \(.*/, "")), textfont: { size: LINE - 1, color: "#222" }, textposition: "bottom center", hoverinfo: "skip" };
     }
     range(shifts) {
       return [0, 1, 2].map((axis) => {

@@ -1,0 +1,146 @@
+// the first screen: choose, drop, see
+import { Choices } from "/static/choices.js";
+import { Latest, settled } from "/static/latest.js";
+import { byId, links, make, say, table, tick } from "/static/parts.js";
+import { curves } from "/static/pictures.js";
+import { get, job, Refused } from "/static/server.js";
+import { words } from "/static/words.js";
+
+// a slider that moves is waited for
+const SETTLED_MS = 60;
+const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+export class Drop {
+  constructor(group) {
+    Object.assign(this, { group, recording: null, level: "", isSame: false });
+    this.replay = new Replay(byId("replay"));
+    this.latest = new Latest((wish) => this.run(wish));
+    const changed = settled(() => this.ask(false), SETTLED_MS);
+    this.choices = new Choices(() => {
+      performance.mark("changed");
+      changed();
+    });
+    byId("controls").addEventListener("submit", (event) => {
+      event.preventDefault();
+      performance.mark("changed");
+      this.ask(!isStill());
+    });
+    byId("scenario").addEventListener("change", () => this.open(byId("scenario").value));
+    byId("preset").addEventListener("change", () => this.address());
+    byId("shown-level").addEventListener("change", (event) => this.look(event.target.value));
+  }
+  async start(scenario, preset) {
+    const { scenarios: all } = await get("/api/scenarios");
+    byId("scenario").replaceChildren(...all.map((one) => new Option(one.title, one.name)));
+    const name = all.some((one) => one.name === scenario) ? scenario : byId("scenario").dataset.first ?? all[0].name;
+    await this.open(name, preset);
+    if (scenario && name !== scenario) say(byId("drop-faults"), [words("drop.no_scenario", { name: scenario, names: all.map((one) => one.name).join(", ") })]);
+  }
+  async open(name, preset = "") {
+    try {
+      const scenario = { name, ...await get(`/api/scenarios/${encodeURIComponent(name)}`) };
+      byId("scenario").value = name;
+      byId("question").textContent = scenario.question;
+      byId("go").textContent = words(scenario.parameters.some((one) => one.name.startsWith("drop_")) ? "drop.go" : "drop.go_other");
+      this.isSame = false;
+      this.choices.show(scenario);
+      if (preset) this.choices.preset(preset);
+      this.address();
+      say(byId("drop-faults"), []);
+      this.ask(false);
+    } catch (error) {
+      this.refuse(error);
+    }
+  }
+  /** The address opens what is chosen now. */
+  address() {
+    const now = new URL(location);
+    now.searchParams.set("scenario", this.choices.scenario.name);
+    now.searchParams.delete("preset");
+    if (byId("preset").value) now.searchParams.set("preset", byId("preset").value);
+    history.replaceState(null, "", now);
+  }
+  ask(isPlayed) {
+    if (!performance.getEntriesByName("changed").length) performance.mark("changed");
+    const wish = this.choices.wish;
+    if (!wish.engines.length) say(byId("drop-faults"), [words("drop.no_engine")]);
+    else if (!wish.levels.length && !Object.keys(wish.contact).length) say(byId("drop-faults"), [words("drop.no_level")]);
+    else this.latest.ask({ job: { kind: "run", group: this.group(), ...wish, ...(this.recording ? { recording: this.recording } : {}) }, isPlayed });
+  }
+  async run(wish) {
+    document.body.setAttribute("aria-busy", "true");
+    try {
+      const result = await job(wish.job, (now) => this.wait(now));
+      say(byId("drop-faults"), result.missing ?? []);
+      await this.show(result, wish);
+    } catch (error) {
+      this.refuse(error);
+    } finally {
+      document.body.removeAttribute("aria-busy");
+    }
+  }
+  wait({ state, place }) {
+    if (state === "waiting" && place) byId("answer").textContent = words("drop.waiting", { place });
+  }
+  async show(result, { isPlayed, job: asked }) {
+    this.result = result;
+    byId("answer").textContent = result.sentence;
+    this.tabs([...new Set(result.curves.map((one) => one.level).filter(Boolean))]);
+    this.scene(result.replay);
+    await this.look(this.level);
+    performance.measure("from change to picture", "changed");
+    byId("scores").replaceChildren(...this.tables(result));
+    this.offer(asked);
+    if (isPlayed && result.replay && !this.replay.playing) this.replay.toggle();
+  }
+  scene(replay) {
+    byId("replay").hidden = !replay;
+    if (!replay) return;
+    this.replay.show(replay, this.isSame);
+    this.isSame = true;
+  }
+  tabs(levels) {
+    this.levels = levels;
+    if (!levels.includes(this.level)) this.level = levels[0] ?? "";
+    const box = byId("shown-level");
+    box.hidden = levels.length < 2;
+    const last = [...box.querySelectorAll("input")].map((one) => one.value);
+    if (last.join() !== levels.join()) box.replaceChildren(box.querySelector("legend"), ...levels.map((one) => tick("radio", "shown-level", one, one, { checked: one === this.level })));
+  }
+  /** Shows one level, over time and in space. */
+  look(level) {
+    this.level = level;
+    const list = this.replay.control("level"), place = this.levels.indexOf(level);
+    if (place >= 0 && place < list.options.length && list.selectedIndex !== place) {
+      list.selectedIndex = place;
+      list.dispatchEvent(new Event("change"));
+    }
+    return curves(byId("curve"), this.result, level);
+  }
+  tables({ table: values, scores }) {
+    const found = [];
+    if (this.recording && scores?.length) found.push(table({ title: words("drop.scores_own"), head: [words("drop.engine"), words("drop.level"), words("drop.score")], rows: scores.map((one) => [one.source, one.level, one.text ?? String(one.chi ?? one.deviation)]) }));
+    if (values?.rows?.length) found.push(table(values));
+    return found;
+  }
+  // what can be taken home: script and values of each engine
+  offer(asked) {
+    const box = byId("take"), list = make("ul", { className: "files" });
+    const choice = make("select", { id: "take-engine" }, ...asked.engines.map((one) => new Option(one)));
+    const button = make("button", { type: "button", textContent: words("drop.script") });
+    button.addEventListener("click", async () => {
+      try {
+        const { files } = await job({ ...asked, kind: "script", engine: choice.value });
+        list.replaceChildren(...links(files));
+      } catch (error) {
+        this.refuse(error);
+      }
+    });
+    const label = make("label", {}, words("drop.script_of"), " ", choice);
+    box.replaceChildren(label, button, list);
+  }
+  refuse(error) {
+    if (!(error instanceof Refused)) console.error(error);
+    say(byId("drop-faults"), error.faults ?? [words("page.broken", { reason: error.message })]);
+  }
+}

@@ -1,0 +1,44 @@
+// curves over time, and bounces beside each other
+import { words } from "/static/words.js";
+
+const INK = "#1b1b1b", GRID = "#e3e3e3", FONT_PX = 14;
+const MEASURED = "#000000";
+const SIGNS = ["circle", "square", "diamond", "triangle-up", "cross", "x", "star", "triangle-down"];
+const OPTIONS = { displaylogo: false, displayModeBar: false, responsive: true };
+
+const axis = (text) => ({ title: { text }, gridcolor: GRID, zerolinecolor: GRID, automargin: true });
+
+export function draw(box, data, x, y, more = {}) {
+  const layout = {
+    font: { size: FONT_PX, color: INK, family: "system-ui, sans-serif" }, separators: ".",
+    margin: { l: 60, r: 10, t: 8, b: 48 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
+    legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom" }, xaxis: axis(x), yaxis: axis(y), ...more,
+  };
+  return Plotly.react(box, data, layout, OPTIONS);
+}
+
+/** Every source over time at one level; engines differ by dash as well as by colour. */
+export function curves(box, { curves: all, recorded, y_label: label }, level) {
+  const shown = all.filter((one) => !one.level || one.level === level);
+  const data = shown.map((one) => ({
+    type: "scatter", mode: "lines", name: one.source, x: one.t, y: one.y,
+    line: { color: one.colour, width: one.level ? 2 : 4, dash: one.dash ?? "solid" },
+  }));
+  if (recorded) data.push({ type: "scatter", mode: "lines", name: words("real.measured"), x: recorded.t, y: recorded.y, line: { color: MEASURED, width: 2, dash: "dot" } });
+  return draw(box, data, words("drop.time"), label);
+}
+
+/** Restitution of each bounce: measured, and every engine before and after it was fitted. */
+export function bounces(box, { measured, engines }, label) {
+  const numbers = (values) => values.map((_, i) => i + 1);
+  const names = [...new Set(engines.map((one) => one.name))];
+  const data = [
+    { type: "scatter", mode: "lines+markers", name: words("real.measured"), x: numbers(measured), y: measured, line: { color: MEASURED, width: 3 }, marker: { size: 11, symbol: "circle", color: MEASURED } },
+    ...engines.map((one) => ({
+      type: "scatter", mode: "lines+markers", name: `${one.name}, ${words(one.isAfter ? "real.after" : "real.before")}`, x: numbers(one.values), y: one.values,
+      line: { color: one.colour, width: one.isAfter ? 2 : 1, dash: one.isAfter ? "solid" : "dot" },
+      marker: { size: 9, color: one.isAfter ? one.colour : "#fff", line: { color: one.colour, width: 2 }, symbol: SIGNS[(names.indexOf(one.name) + 1) % SIGNS.length] },
+    })),
+  ];
+  return draw(box, data, words("real.bounce"), label, { xaxis: { ...axis(words("real.bounce")), dtick: 1 } });
+}

@@ -1,0 +1,46 @@
+// all that is asked of the server; what it refuses comes as sentences
+import { language, words } from "/static/words.js";
+
+const WAIT_S = 10;
+
+/** What was refused, in sentences. */
+export class Refused extends Error {
+  constructor(faults) {
+    super(faults.join(" "));
+    this.faults = faults;
+  }
+}
+
+async function answer(asked) {
+  let response;
+  try {
+    response = await asked;
+  } catch {
+    throw new Refused([words("page.no_server")]);
+  }
+  const found = await response.json().catch(() => ({}));
+  if (!response.ok) throw new Refused(found.faults ?? [words("page.refused", { status: response.status })]);
+  return found;
+}
+
+export const get = (path) => answer(fetch(path));
+
+export const post = (path, value) =>
+  answer(fetch(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(value) }));
+
+/** Sends a sound, a video or a table, and gives what was heard or seen in it. */
+export function upload(group, name, kind, blob) {
+  const query = new URLSearchParams({ group, name, kind, lang: language });
+  return answer(fetch(`/api/recordings?${query}`, { method: "POST", headers: { "Content-Type": "application/octet-stream" }, body: blob }));
+}
+
+/** Has a job done and gives its result; tells now and then how far it is. */
+export async function job(what, tell = () => {}) {
+  const { id } = await post("/api/jobs", { language, ...what });
+  for (;;) {
+    const now = await get(`/api/jobs/${id}?wait=${WAIT_S}`);
+    if (now.result) return now.result;
+    if (now.state === "failed") throw new Refused(now.faults ?? [words("page.failed")]);
+    tell(now);
+  }
+}

@@ -1,0 +1,50 @@
+// a recording with the impacts in it; each can be struck out by a click or by its box
+import { make, tick } from "/static/parts.js";
+import { draw } from "/static/pictures.js";
+import { words } from "/static/words.js";
+
+const SOUND = "#56789b", KEPT = "#d55e00", STRUCK = "#767676";
+
+export class Waveform {
+  constructor(plot, list, changed) {
+    Object.assign(this, { plot, list, changed, struck: new Set() });
+  }
+  show({ wave, impacts }) {
+    Object.assign(this, { wave, impacts });
+    this.struck.clear();
+    const boxes = impacts.map((one, i) => {
+      const label = tick("checkbox", "impact", i, words("real.impact", { number: i + 1, time: one.time_s.toFixed(3) }), { checked: true });
+      label.firstChild.addEventListener("change", () => this.strike(i));
+      return label;
+    });
+    this.list.replaceChildren(this.list.querySelector("legend"), ...boxes);
+    return this.draw().then(() => {
+      this.plot.removeAllListeners("plotly_click");
+      this.plot.on("plotly_click", ({ points }) => points[0].data.name === words("real.impacts") && this.strike(points[0].pointIndex));
+    });
+  }
+  strike(i) {
+    if (!this.struck.delete(i)) this.struck.add(i);
+    this.list.querySelectorAll("input")[i].checked = !this.struck.has(i);
+    this.draw();
+    this.changed();
+  }
+  draw() {
+    const { wave, impacts } = this, top = wave ? Math.max(...wave.high, 1e-6) : 1;
+    const colours = impacts.map((_, i) => (this.struck.has(i) ? STRUCK : KEPT));
+    const sound = wave ? [
+      { type: "scatter", mode: "lines", x: wave.t, y: wave.low, line: { color: SOUND, width: 1 }, hoverinfo: "skip" },
+      { type: "scatter", mode: "lines", x: wave.t, y: wave.high, line: { color: SOUND, width: 1 }, fill: "tonexty", fillcolor: SOUND, hoverinfo: "skip" },
+    ] : [];
+    const marks = {
+      type: "scatter", mode: "markers+text", name: words("real.impacts"), x: impacts.map((one) => one.time_s), y: impacts.map(() => 1.15 * top),
+      text: impacts.map((_, i) => String(i + 1)), textposition: "top center", cliponaxis: false,
+      marker: { size: 14, color: colours, symbol: impacts.map((_, i) => (this.struck.has(i) ? "x" : "triangle-down")) }, hovertemplate: "%{x:.4f} s<extra></extra>",
+    };
+    const lines = impacts.map((one, i) => ({ type: "line", yref: "paper", y0: 0, y1: 0.88, x0: one.time_s, x1: one.time_s, line: { color: colours[i], width: 1.5, dash: this.struck.has(i) ? "dot" : "solid" } }));
+    return draw(this.plot, [...sound, marks], words("drop.time"), "", {
+      showlegend: false, shapes: lines, hovermode: "closest", hoverdistance: 30,
+      yaxis: { range: wave ? [Math.min(...wave.low, -1e-6), 1.5 * top] : [0, 1.5], showticklabels: false, fixedrange: true, gridcolor: "#fff", zerolinecolor: "#fff" },
+    });
+  }
+}
