@@ -7,28 +7,46 @@ import time
 from simcompare.errors import InputError, UnknownName
 from simcompare.lab import progress
 
+SCENARIOS = {"scenarios": [{"name": "ball", "title": "A <b>ball</b>", "question": "?"}]}
+
 
 def perform(kind, request):
     """What a job does, by what its request says."""
-    how = request.get("how", "")
     if kind == "scenarios":
-        return {"scenarios": [{"name": "ball", "title": "A <b>ball</b>", "question": "?"}]}
-    if how == "fault":
-        raise InputError(f"{request['folder']}/recordings/x", ["holds no bounce", "is silent"])
-    if how == "unknown":
-        raise UnknownName("engine", "mujoko", ["mujoco"])
-    if how == "broken":
-        raise ZeroDivisionError
-    if how == "nan":
-        return {"sentence": float("nan")}
-    if how == "die":
-        os.kill(os.getpid(), signal.SIGKILL)
-    if how == "sleep":
-        progress.tell(0.25)
-        time.sleep(request["seconds"])
+        return SCENARIOS
+    if kind == "recording" and request["name"] == "silence.wav":
+        raise InputError("silence.wav", ["no impact is heard in it"])
+    if "how" in request:
+        return HOW[request["how"]](request)
     return {"sentence": f"{kind} of {request.get('scenario')}", "pid": os.getpid(), "files": []}
 
 
-def slow_to_read(kind, request):
-    """Finds nothing in recordings, in words."""
-    raise InputError("sound", ["holds no bounce"])
+def _fault(request):
+    raise InputError(f"{request['folder']}/recordings/x", ["holds no bounce", "is too short"])
+
+
+def _unknown(_):
+    raise UnknownName("engine", "mujoko", ["mujoco"])
+
+
+def _broken(_):
+    raise ZeroDivisionError
+
+
+def _die(_):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _long(_):
+    progress.tell(0.25)
+    time.sleep(1000)
+
+
+HOW = {
+    "fault": _fault,
+    "unknown": _unknown,
+    "broken": _broken,
+    "no number": lambda _: {"sentence": float("nan")},
+    "die": _die,
+    "long": _long,
+}

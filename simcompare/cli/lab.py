@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,11 +31,10 @@ def lab(
 ) -> None:
     """Open the lab: a page to drop balls in all engines, beside a real one."""
     _check(share=share, host=host, pin=pin, language=language)
-    from simcompare.lab import serving
+    from simcompare.lab import serving, work
 
-    perform = importlib.import_module("simcompare.lab.work").perform
     wanted = serving.Wanted(folder, port, share, host or "", pin)
-    made = serving.open_lab(wanted, perform)
+    made = serving.open_lab(wanted, work.perform)
     page = made.address + (f"?lang={language}" if language else "")
 
     def begun() -> None:

@@ -1,0 +1,205 @@
+"""Turns of groups in the lab's queue, and what a file is by its content."""
+
+import asyncio
+
+import pytest
+
+from simcompare.lab import contents, queue
+from simcompare.lab.desk import Ending, Task
+from simcompare.lab.groups import Groups, key_of
+from simcompare.lab.pin import Pin
+from simcompare.lab.queue import Job, Queue
+from simcompare.lab.refusals import LANGUAGES, Refused, language_of, sentences
+
+
+class FakeDesk:
+    """Notes what it does; each job takes one turn of the loop."""
+
+    done: list[str]
+
+    def __init__(self, _):
+        self.progress = 0.0
+
+    async def do(self, task, limit_s):
+        FakeDesk.done.append(task.request["name"])
+        await asyncio.sleep(0)
+        return Ending(b"{}")
+
+    def end(self):
+        pass
+
+
+def named(name):
+    return Job(name[0], Task("run", {"name": name}))
+
+
+@pytest.fixture
+def order(monkeypatch):
+    """The order in which one worker does jobs that wait already, and the places they are told."""
+    monkeypatch.setattr(queue, "Desk", FakeDesk)
+    FakeDesk.done = []
+
+    def run(*names):
+        async def all_of_it():
+            waiting = Queue(print, 1)
+            jobs = [waiting.add(named(name)) for name in names]
+            places = [waiting.place(job) for job in jobs]
+            waiting.begin()
+            for job in jobs:
+                await job.ended.wait()
+            await waiting.end()
+            return places
+
+        return asyncio.run(all_of_it()), FakeDesk.done
+
+    return run
+
+
+def test_groups_take_turns_however_many_jobs_one_sends(order):
+    ten = [f"a{i}" for i in range(10)]
+    places, done = order(*ten, "b0", "c0", "b1")
+    assert done == ["a0", "b0", "c0", "a1", "b1", *ten[2:]]
+    assert places == [1, 4, 6, 7, 8, 9, 10, 11, 12, 13, 2, 3, 5]
+
+
+def test_jobs_of_one_group_keep_their_order(order):
+    assert order("a0", "a1", "a2") == ([1, 2, 3], ["a0", "a1", "a2"])
+
+
+def test_a_group_whose_jobs_run_waits_for_those_that_have_none():
+    waiting = [("a", "a1"), ("a", "a2"), ("b", "b0")]
+    assert queue.in_turn(waiting, {"a": 1}, {}) == ["b0", "a1", "a2"]
+
+
+def test_a_group_may_not_fill_the_queue():
+    async def fill():
+        waiting = Queue(print, 1)
+        for i in range(20):
+            waiting.add(named(f"a{i}"))
+        with pytest.raises(Refused, match="20 of your jobs wait already"):
+            waiting.add(named("a20"))
+        waiting.add(named("b0"))
+
+    asyncio.run(fill())
+
+
+def test_a_waiting_job_can_be_taken_out():
+    async def withdraw():
+        waiting = Queue(print, 1)
+        first, second = waiting.add(named("a0")), waiting.add(named("a1"))
+        waiting.withdraw(first)
+        assert (first.state, first.ending.fault) == ("failed", "withdrawn")
+        assert waiting.place(second) == 1
+
+    asyncio.run(withdraw())
+
+
+# ---- contents
+
+
+@pytest.mark.parametrize(
+    ("head", "wish", "kind"),
+    [
+        (b"RIFF\0\0\0\0WAVEfmt ", "video", ("sound", "wav")),
+        (b"RIFF\0\0\0\0AVI LIST", "sound", ("video", "avi")),
+        (b"fLaC\0", "", ("sound", "flac")),
+        (b"OggS\0", "", ("sound", "ogg")),
+        (b"\x1aE\xdf\xa3....webm", "sound", ("sound", "webm")),
+        (b"\x1aE\xdf\xa3....webm", "video", ("video", "webm")),
+        (b"\0\0\0\x20ftypM4A ", "", ("sound", "m4a")),
+        (b"\0\0\0\x20ftypisom", "", ("video", "mp4")),
+        (b"\0\0\0\x14ftypqt  ", "", ("video", "mov")),
+        (b"t;y\n0;1\n", "sound", ("table", "csv")),
+        ("t;höhe\n".encode("latin-1"), "", ("table", "csv")),
+        (b"PK\x03\x04", "table", ("table", "zip")),
+        (b"\x7fELF\2\1\1\0\0\0", "sound", None),
+        (b"%PDF-1.7", "table", None),
+        (b" <html>", "table", None),
+        (b"", "", None),
+    ],
+)
+def test_the_kind_of_a_file_is_told_by_its_content(head, wish, kind):
+    assert contents.kind_of(head, wish) == kind
+
+
+# ---- groups
+
+
+def test_keys_of_groups_are_safe_and_of_one_group_alone():
+    keys = [key_of(name) for name in ("Gruppe 1", "Gruppe-1", "Gruppe/1", "../Gruppe 1", "…", "🏀")]
+    assert len(set(keys)) == len(keys)
+    assert all(set(key) <= set("abcdefghijklmnopqrstuvwxyz0123456789-") for key in keys)
+    assert key_of("  gruppe   1 ") == key_of("Gruppe 1")
+    assert key_of("Caf\u00e9") == key_of("Cafe\u0301")
+
+
+@pytest.mark.parametrize("name", ["", "   ", "x" * 61, "a\0b", "a\u202eb", "\ud800"])
+def test_names_that_are_none_are_refused(tmp_path, name):
+    with pytest.raises(Refused):
+        Groups(tmp_path).join(name)
+
+
+def test_damaged_documents_are_passed_over(tmp_path):
+    groups = Groups(tmp_path)
+    group = groups.join("Newton")
+    for kind, name in (("results", "summary.json"), ("recordings", "upload.json")):
+        for i, raw in enumerate((b"", b"[" * 99_999, b"\xff", b"7")):
+            place = group.folder / kind / f"{i:016x}"
+            place.mkdir()
+            (place / name).write_bytes(raw)
+    assert group.listing()["results"] == group.listing()["recordings"] == []
+    (groups.join("Kepler").folder / "group.json").write_bytes(b"{")
+    assert [one.name for one in groups.all()] == ["Newton"]
+
+
+# ---- the PIN and the sentences
+
+
+def test_after_wrong_pins_one_waits_and_may_then_try_again():
+    now = [0.0]
+    pin = Pin("4711", lambda: now[0])
+    for _ in range(5):
+        with pytest.raises(Refused, match="not right"):
+            pin.check("0815", "a")
+    with pytest.raises(Refused, match="Wait 60 seconds"):
+        pin.check("4711", "a")
+    pin.check("4711", "b")  # others are not locked out by it
+    now[0] = 61.0
+    pin.check("4711", "a")
+
+
+def test_many_addresses_together_may_not_try_all_pins():
+    pin = Pin("4711", lambda: 0.0)
+    for i in range(50):
+        with pytest.raises(Refused, match="not right"):
+            pin.check("0815", f"{i}")
+    with pytest.raises(Refused, match="Too many wrong PINs"):
+        pin.check("0815", "new")
+
+
+def test_both_languages_say_the_same_things():
+    english, german = (sentences(language) for language in LANGUAGES)
+    assert english.keys() == german.keys()
+    for key, sentence in english.items():
+        assert _holes(sentence) == _holes(german[key]), key
+
+
+def _holes(sentence):
+    import string
+
+    return sorted(str(hole) for _, hole, *_ in string.Formatter().parse(sentence) if hole)
+
+
+@pytest.mark.parametrize(
+    ("wish", "accepted", "spoken"),
+    [
+        (None, "de-AT,de;q=0.9", "de"),
+        (None, "fr, de;q=0.5", "de"),
+        (None, "", "en"),
+        ("en", "de", "en"),
+        ("xx", "de", "de"),
+        (["de"], "en", "en"),
+    ],
+)
+def test_the_language_is_that_of_the_browser_unless_another_is_asked_for(wish, accepted, spoken):
+    assert language_of(wish, accepted) == spoken
