@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from simcompare.engine import engines
@@ -12,6 +14,8 @@ from simcompare.errors import InputError, UnknownName
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.scenarios import catalogue
 
+#: ids that the server gives
+_ID = re.compile(r"[A-Za-z0-9_-]{1,80}")
 #: most numbers in a list that a page sends
 _MOST = 10_000
 
@@ -84,6 +88,30 @@ class Asked:
             numbers = _numbers(f"contact of {engine}", values)
             found |= {f"{engine}.{name}": value for name, value in numbers.items()}
         return found
+
+    def folder(self) -> Path:
+        """The folder of the group, which the server names."""
+        return Path(self.text("folder"))
+
+    def recording(self) -> Path | None:
+        """The folder of a recording; ``None`` where none is named."""
+        name = self.request.get("recording")
+        if name is None:
+            return None
+        return self._part("recordings", name)
+
+    def result(self) -> Path | None:
+        """The folder of a result; ``None`` where none is named."""
+        name = self.request.get("result")
+        return None if name is None else self._part("results", name)
+
+    def _part(self, kind: str, name: object) -> Path:
+        if not isinstance(name, str) or not _ID.fullmatch(name):
+            raise InputError(kind, ["expected the id of one"])
+        place = self.folder() / kind / name
+        if not place.is_dir():
+            raise InputError(kind, [f"there is none with the id {name}"])
+        return place
 
     def struck(self) -> set[int]:
         """Places of impacts that are left out, the first is 0."""

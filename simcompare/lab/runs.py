@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from typing import Any
 
 from simcompare.errors import InputError
-from simcompare.lab import scores
+from simcompare.lab import kept, scores
 from simcompare.lab.asked import Asked
 from simcompare.lab.numbers import listed
 from simcompare.model.plain import Plain
@@ -37,17 +38,29 @@ def run(asked: Asked) -> Plain:
     if not levels and not own:
         raise InputError("levels", ["nothing is chosen; choose a level, or set values by hand"])
     scenario = asked.scenario()
-    is_dithered = catalogue.load(scenario).resolve().dither is not None
     result = simulate(
         scenario,
         engine=asked.engines(),
         contact=levels or BY_HAND,
         set=asked.parameters(),
         own=own or None,
-        seeds=1 if is_dithered else None,
+        seeds=1 if _is_dithered(scenario) else None,
         time_limit_s=_LIMIT_S,
     )
-    return {**drawn(result), "scores": scores.of_truth(result)}
+    return {**drawn(result), "scores": _scores(asked, result)}
+
+
+def _scores(asked: Asked, result: Run) -> list[Plain]:
+    """Against the bounces that were recorded, where there are some; else against the truth."""
+    place = asked.recording()
+    drop = None if place is None else kept.drop_of(place)
+    return scores.of_truth(result) if drop is None else scores.of_recording(result, drop)
+
+
+@functools.cache
+def _is_dithered(scenario: str) -> bool:
+    """Whether it has repeats, of which one is enough here."""
+    return catalogue.load(scenario).resolve().dither is not None
 
 
 def drawn(result: Run) -> Plain:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Any
 
 from simcompare.comparison.comparison import FAIL, PASS
@@ -30,3 +32,43 @@ def of_truth(result: Run) -> list[dict[str, Any]]:
                 **({} if ok is None else {"ok": ok}),
             })  # fmt: skip
     return found
+
+
+def of_recording(result: Run, drop: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """How far the flights of every source are from the recorded ones, in millimetres of height.
+
+    A bounce that a source does not make counts with its whole height.
+
+    Args:
+        result: the run.
+        drop: what was recorded, as ``recordings.drop`` has it.
+    """
+    heights = {one["bounce"]: one["value"] for one in drop["heights_m"]}
+    if not heights:
+        return of_truth(result)
+    found = []
+    for level in runs.modes(result):
+        for name in runs.ran(result, level):
+            made = by_bounce(result, name, level, "rebound_height")
+            off = [made.get(bounce, 0.0) - height for bounce, height in heights.items()]
+            misfit_mm = 1e3 * math.sqrt(sum(one * one for one in off) / len(off))
+            whole = runs.score_of(result, name, level, "restitution")
+            value = None if whole is None else whole.value
+            said = "it does not bounce" if not value else f"restitution {value:.3f}"
+            found.append({
+                "source": name, "level": level, "misfit_mm": shortened(misfit_mm),
+                "value": shortened(value), "truth": drop["middle"],
+                "text": f"{misfit_mm:.3g} mm from your ball; {said}",
+            })  # fmt: skip
+    return found
+
+
+def by_bounce(result: Run, name: str, level: str, measure: str) -> dict[int, float]:
+    """What a source has of each bounce, the first is 1."""
+    return {
+        score.index: score.value
+        for score in result.record.scores
+        if (score.source, score.contact, score.measure) == (name, level, measure)
+        and score.index is not None
+        and score.value is not None
+    }

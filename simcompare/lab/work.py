@@ -6,11 +6,12 @@ import contextlib
 import functools
 import multiprocessing
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 from simcompare.errors import UnknownName
 from simcompare.glossary import LANGUAGES
-from simcompare.lab import facts, runs
+from simcompare.lab import facts, fits, recordings, runs
 from simcompare.lab.asked import Asked
 from simcompare.model.plain import Plain
 from simcompare.running.runner import kept_processes
@@ -55,8 +56,14 @@ def _scenario(asked: Asked) -> Plain:
     return facts.scenario(asked.scenario(key="name"), language)
 
 
+def _recording(asked: Asked) -> Plain:
+    return recordings.received(Path(asked.text("path")), asked.text("kind"))
+
+
 _KINDS: Mapping[str, Callable[[Asked], Plain]] = {
     "scenarios": _scenarios,
     "scenario": _scenario,
     "run": runs.run,
+    "fit": fits.fit,
+    "recording": _recording,
 }

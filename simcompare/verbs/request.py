@@ -31,6 +31,10 @@ class Option(NamedTuple):
     unit: str = ""
 
 
+#: options of each kind of request, read once: that takes a hundredth of a second
+_KNOWN: dict[type[Any], Mapping[str, Option]] = {}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Request:
     """What every verb is asked.
@@ -133,9 +137,11 @@ class UncertaintyRequest(Request):
 
 def options(kind: type[Request]) -> Mapping[str, Option]:
     """Field -> its option."""
-    hints = get_type_hints(kind, include_extras=True)
-    known = {name: getattr(hint, "__metadata__", (None,))[0] for name, hint in hints.items()}
-    return {name: option for name, option in known.items() if isinstance(option, Option)}
+    if kind not in _KNOWN:
+        hints = get_type_hints(kind, include_extras=True)
+        known = {name: getattr(hint, "__metadata__", (None,))[0] for name, hint in hints.items()}
+        _KNOWN[kind] = {name: one for name, one in known.items() if isinstance(one, Option)}
+    return _KNOWN[kind]
 
 
 def _words(option: Option, value: Any) -> list[str]:  # noqa: ANN401

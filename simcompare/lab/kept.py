@@ -1,0 +1,63 @@
+"""What is kept of a recording in its folder, for the jobs that come later."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from simcompare.errors import InputError
+from simcompare.lab import recordings
+from simcompare.model import recording_store
+
+#: what the server writes of it
+_TOLD = "recording.json"
+
+
+def told(place: Path) -> dict[str, Any]:
+    """What was answered when it came."""
+    try:
+        found = json.loads((place / _TOLD).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        found = {}
+    return found if isinstance(found, dict) else {}
+
+
+def drop_of(place: Path) -> dict[str, Any] | None:
+    """What was recorded of a ball; ``None`` where nothing bounced."""
+    found = told(place).get("drop")
+    return found if isinstance(found, dict) else None
+
+
+def source_of(place: Path) -> Path:
+    """The file that was sent.
+
+    Raises:
+        InputError: it is gone.
+    """
+    found = next(iter(sorted(place.glob("source.*"))), None)
+    if found is None:
+        raise InputError("recording", ["its file is gone; send it again"])
+    return found
+
+
+@contextlib.contextmanager
+def fittable(place: Path, struck: set[int]) -> Iterator[Path]:
+    """What a fit reads: the recording as it was read when it came, without struck-out impacts.
+
+    Raises:
+        InputError: there is no such impact.
+    """
+    stored = place / recordings.IMPORTED
+    if not stored.is_dir():
+        yield source_of(place)
+        return
+    if not struck:
+        yield stored
+        return
+    with TemporaryDirectory(prefix="simcompare-") as folder:
+        less = recordings.without(recording_store.load(stored), struck)
+        yield recording_store.save(less, Path(folder) / place.name)
