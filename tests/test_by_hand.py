@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import simcompare
+from simcompare.engine import by_hand
 from simcompare.errors import InputError
-from simcompare.verbs import by_hand
 
 ELASTICITY = {"pymunk.elasticity": 0.9}
 SOLREF = {"mujoco.solref.timeconst": 0.02, "mujoco.solref.dampratio": 0.05}
@@ -88,6 +88,19 @@ def test_numbers_of_a_spring_are_told_as_they_are_typed() -> None:
     # solref's two forms: timeconst = 2/b, dampratio = b/(2√k)
     assert typed == pytest.approx({"solref.timeconst": 0.4, "solref.dampratio": 0.05})
     assert by_hand.typed("pymunk", (0.7,)) == {"elasticity": 0.7}
+
+
+def test_script_has_what_was_typed() -> None:
+    text = simcompare.export("ball", format="script", engine="pymunk", own=ELASTICITY)
+    assert "ball_shape.elasticity = 0.9\n" in text
+    assert text.startswith('"""Bouncing ball in pymunk')
+    assert "with values set by hand" in text
+    with pytest.raises(InputError, match="leave it out"):
+        simcompare.export(
+            "ball", format="script", engine="pymunk", own=ELASTICITY, contact="default"
+        )
+    with pytest.raises(InputError, match="is for the format script"):
+        simcompare.export("ball", format="urdf", own=ELASTICITY)
 
 
 def test_both_forms_of_a_spring_are_the_same_contact() -> None:

@@ -101,9 +101,9 @@ def group(tmp_path_factory):
     return folder
 
 
-def asked(group, result: str, **more):
+def asked(group, job: str, **more):
     return {
-        "folder": str(group), "id": result, "scenario": "ball", "recording": "0a",
+        "folder": str(group), "id": job, "scenario": "ball", "recording": "0a",
         "engines": ["pymunk", "box2d"], **more,
     }  # fmt: skip
 
@@ -153,3 +153,38 @@ def test_run_beside_a_recording_is_scored_against_it(group) -> None:
 def test_recording_that_is_none_is_refused(group, name) -> None:
     with pytest.raises(InputError):
         perform("fit", asked(group, "f4") | {"recording": name})
+
+
+def test_script_of_a_fit_bounces_like_the_ball(group, fitted) -> None:
+    (group / "results" / "f1").mkdir(parents=True, exist_ok=True)
+    found = perform("script", asked(group, "s1", result="f1"))
+    assert found["files"] == ["s1-pymunk.py"]
+    assert found["missing"][0].startswith("box2d: ")
+    text = (group / "files" / "s1-pymunk.py").read_text()
+    elasticity = fitted["engines"][0]["values"]["elasticity"]
+    assert f"ball_shape.elasticity = {elasticity!r}\n" in text
+
+
+def test_script_of_the_students_own_values(group) -> None:
+    more = {"engine": "pymunk", "contact": {"pymunk": {"elasticity": 0.5}}}
+    perform("script", asked(group, "s2", **more))
+    assert "ball_shape.elasticity = 0.5\n" in (group / "files" / "s2-pymunk.py").read_text()
+
+
+def test_report_of_a_fit_and_of_a_run_is_a_page(group, fitted) -> None:
+    assert fitted["files"]
+    place = group / "results" / "r7"
+    place.mkdir(parents=True, exist_ok=True)
+    then = {"scenario": "ball", "engines": ["pymunk"], "levels": ["default"]}
+    (place / "result.json").write_text(json.dumps({"kind": "run", "request": then}))
+    (group / "results" / "f1").mkdir(parents=True, exist_ok=True)
+    for result in ("f1", "r7"):
+        (name,) = perform("report", asked(group, "p1", result=result))["files"]
+        assert "<html" in (group / "files" / name).read_text()[:200]
+
+
+def test_report_needs_a_result(group) -> None:
+    with pytest.raises(InputError, match="run or fit first"):
+        perform("report", asked(group, "p2"))
+    with pytest.raises(InputError, match="there is none"):
+        perform("report", asked(group, "p2", result="zz"))

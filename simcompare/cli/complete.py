@@ -34,8 +34,7 @@ def contact_levels(incomplete: str) -> list[str]:
 
 def own_values(incomplete: str) -> list[str]:
     """Contact values of engines, such as "pymunk.elasticity="."""
-    from simcompare.engine import engines
-    from simcompare.verbs import by_hand
+    from simcompare.engine import by_hand, engines
 
     names = [f"{engine}.{one.name}=" for engine in engines.names() for one in by_hand.known(engine)]
     return [name for name in names if name.startswith(incomplete)]

@@ -43,6 +43,12 @@ def export(
         False, "--contact-values", help="Print each engine's own contact values of the fit."
     ),
     engine: str = typer.Option(None, help="Engine of a script.", autocompletion=complete.engines),
+    own: list[str] = typer.Option(
+        [],
+        metavar="ENGINE.VALUE=V",
+        help="A contact value of the engine of a script, such as pymunk.elasticity=0.9.",
+        autocompletion=complete.own_values,
+    ),
     step: str = typer.Option(None, help="Engine's step of a script, such as 1ms."),
     contact: str = typer.Option(
         None,
@@ -58,7 +64,9 @@ def export(
     from simcompare.exporters.scripts.write import script
     from simcompare.exporters.twins import FORMATS, SCRIPT, twin
 
-    options = {"--engine": engine, "--step": step, "--contact": contact}
+    options = {
+        "--engine": engine, "--step": step, "--contact": contact, "--own": ", ".join(own) or None,
+    }  # fmt: skip
     if contact_values:
         given = {**options, "--set": settings or None, "--preset": preset}
         _print_contact_values(scenario, fit, given, out)
@@ -66,7 +74,7 @@ def export(
     if format == SCRIPT:
         write = functools.partial(
             script, scenario, engine=engine, set=console.pairs(settings), preset=preset, fit=fit,
-            step=step, contact=contact,
+            own=console.pairs(own, "--own", "ENGINE.VALUE=number"), step=step, contact=contact,
         )  # fmt: skip
         _script(write, out, as_json=as_json)
         return

@@ -20,6 +20,7 @@ def export(
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     fit: str | None = None,
+    own: Mapping[str, str | float] | None = None,
     engine: str | None = None,
     step: str | float | None = None,
     contact: str | None = None,
@@ -38,6 +39,7 @@ def export(
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
         fit: fit.json of ``simcompare fit``, whose parameters are used.
+        own: contact values of the engine of a script, such as ``{"pymunk.elasticity": 0.9}``.
         engine: engine of a script.
         step: the engine's step in a script, "1ms" or in seconds.
         contact: contact level of a script: "default", "coefficients" or "tuned"; with a fit
@@ -50,7 +52,7 @@ def export(
     """
     scenario = str(scenario) if isinstance(scenario, Path) else scenario
     if format != SCRIPT:
-        options = {"engine": engine, "step": step, "contact": contact}
+        options = {"engine": engine, "step": step, "contact": contact, "own": own or None}
         given = [name for name, value in options.items() if value is not None]
         if given and format in FORMATS:
             faults = [f"{name} is for the format script, not for {format}" for name in given]
@@ -60,7 +62,14 @@ def export(
         fault = "a script is written from a scenario's name, folder or file; give that"
         raise InputError(scenario.name, [fault])
     made = script(
-        scenario, engine=engine, set=set, preset=preset, fit=fit, step=step, contact=contact
+        scenario,
+        engine=engine,
+        set=set,
+        preset=preset,
+        fit=fit,
+        own=own,
+        step=step,
+        contact=contact,
     )
     if made.inputs:
         raise InputError(

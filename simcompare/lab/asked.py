@@ -60,6 +60,10 @@ class Asked:
         """
         return self._names("engines", engines.names()) or engines.names()
 
+    def engine(self) -> str:
+        """The name of one engine."""
+        return self.one_of("engine", engines.names())
+
     def levels(self) -> list[str]:
         """Contact levels, each once; none where none are asked for.
 

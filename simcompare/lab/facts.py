@@ -6,14 +6,13 @@ import dataclasses
 from typing import Any
 
 from simcompare import glossary
-from simcompare.engine import engines
+from simcompare.engine import by_hand, engines
 from simcompare.engine.contacts import touching_pairs
 from simcompare.errors import SimcompareError
 from simcompare.model.plain import Plain
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
-from simcompare.verbs import by_hand
 from simcompare.verbs.show import ScenarioFacts, show
 
 

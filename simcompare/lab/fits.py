@@ -9,10 +9,11 @@ from typing import Any
 
 import yaml
 
+from simcompare.engine import by_hand
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import reading
 from simcompare.fitting.bounces.bounce_models import GRAVITY
-from simcompare.lab import kept, recordings, runs, scores
+from simcompare.lab import kept, progress, recordings, runs, scores
 from simcompare.lab.asked import Asked
 from simcompare.lab.numbers import shortened
 from simcompare.model.plain import Plain
@@ -26,7 +27,6 @@ from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_bounces import BouncesFit
 from simcompare.results.run import Run
 from simcompare.scenarios import catalogue
-from simcompare.verbs import by_hand
 from simcompare.verbs.fit import fit as fit_to
 from simcompare.verbs.run import run as simulate
 
@@ -44,6 +44,7 @@ def fit(asked: Asked) -> Plain:
     if place is None:
         raise InputError("recording", ["none is chosen; record a ball, or send a file"])
     made = asked.folder() / FITS / asked.text("id")
+    progress.tell(0.1)
     with kept.fittable(place, asked.struck()) as file:
         drop = recordings.drop(reading.drops_of(file, None, None, GRAVITY)[0])
         result = fit_to(
@@ -51,6 +52,7 @@ def fit(asked: Asked) -> Plain:
             time_limit_s=_LIMIT_S,
         )  # fmt: skip
     _put(result.folder, made)
+    progress.tell(0.8)
     assert isinstance(result.record, FitRecord)
     found = result.record.fit
     assert isinstance(found, BouncesFit)
@@ -72,6 +74,21 @@ def fit(asked: Asked) -> Plain:
         "files": [_values_file(asked, found, values)],
         **after,
     }
+
+
+def file_of(asked: Asked) -> Path | None:
+    """The fit.json of the result that is named; ``None`` where none is named.
+
+    Raises:
+        InputError: that is no fit.
+    """
+    place = asked.result()
+    if place is None:
+        return None
+    file = asked.folder() / FITS / place.name / FILE
+    if not file.is_file():
+        raise InputError("result", ["is no fit; fit to a recording first"])
+    return file
 
 
 def _put(made: Path | None, place: Path) -> None:
@@ -162,8 +179,4 @@ def _values_file(asked: Asked, found: BouncesFit, values: Mapping[str, Mapping[s
         "parameters": dict(found.run_with.closed),
         "engines": {engine: dict(own) for engine, own in values.items()},
     }
-    place = asked.folder() / "files"
-    place.mkdir(exist_ok=True)
-    text = yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
-    (place / name).write_text(text, encoding="utf-8")
-    return name
+    return kept.file(asked.folder(), name, yaml.safe_dump(content, sort_keys=False))

@@ -11,7 +11,7 @@ from typing import Any
 
 from simcompare.errors import InputError
 from simcompare.lab import recordings
-from simcompare.model import recording_store
+from simcompare.model import recording_store, whole
 
 #: what the server writes of it
 _TOLD = "recording.json"
@@ -61,3 +61,16 @@ def fittable(place: Path, struck: set[int]) -> Iterator[Path]:
     with TemporaryDirectory(prefix="simcompare-") as folder:
         less = recordings.without(recording_store.load(stored), struck)
         yield recording_store.save(less, Path(folder) / place.name)
+
+
+def files(folder: Path) -> Path:
+    """Where a group's files are that can be taken home."""
+    place = folder / "files"
+    place.mkdir(exist_ok=True)
+    return place
+
+
+def file(folder: Path, name: str, text: str) -> str:
+    """Stores a file that can be taken home; its name."""
+    whole.write(files(folder) / name, text.encode("utf-8"))
+    return name

@@ -11,7 +11,7 @@ from typing import Any
 
 from simcompare.errors import UnknownName
 from simcompare.glossary import LANGUAGES
-from simcompare.lab import facts, fits, recordings, runs
+from simcompare.lab import facts, fits, recordings, runs, takeaways
 from simcompare.lab.asked import Asked
 from simcompare.model.plain import Plain
 from simcompare.running.runner import kept_processes
@@ -65,5 +65,7 @@ _KINDS: Mapping[str, Callable[[Asked], Plain]] = {
     "scenario": _scenario,
     "run": runs.run,
     "fit": fits.fit,
+    "script": takeaways.script,
+    "report": takeaways.report,
     "recording": _recording,
 }

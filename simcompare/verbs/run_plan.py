@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from simcompare import measures
 from simcompare.comparison import ablation
 from simcompare.comparison.repeats import AtStep, at_steps, sample_steps_s
-from simcompare.engine import engines
+from simcompare.engine import by_hand, engines
+from simcompare.engine.by_hand import ByHand
 from simcompare.errors import InputError
 from simcompare.hardware.recordings import bounce_table
 from simcompare.hardware.recordings.bounce_table import BounceTable
@@ -21,8 +22,7 @@ from simcompare.results import sensing
 from simcompare.running.jobs import Job, Outcome
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
-from simcompare.verbs import by_hand, levels
-from simcompare.verbs.by_hand import ByHand
+from simcompare.verbs import levels
 from simcompare.verbs.request import RunRequest
 
 if TYPE_CHECKING:

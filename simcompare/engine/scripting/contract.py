@@ -84,6 +84,7 @@ class Plan:
         efforts: of all driven joints.
         lacking: signals that the engine does not give.
         tuning: how the numbers for restitutions were found.
+        by_hand: whether somebody typed them in.
     """
 
     scenario: Scenario
@@ -92,6 +93,7 @@ class Plan:
     efforts: Sequence[Effort]
     lacking: frozenset[str] = frozenset()
     tuning: Sequence[TuningRow] = ()
+    by_hand: bool = False
 
     @property
     def sensed_joints(self) -> dict[str, str]:

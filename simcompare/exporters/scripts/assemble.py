@@ -13,6 +13,7 @@ from simcompare.engine.scripting.text import WIDTH, filled, number, unused
 from simcompare.exporters.scripts.expected import Expected
 from simcompare.exporters.scripts.measuring import Measuring
 from simcompare.exporters.scripts.snippets import SNIPPETS
+from simcompare.model.settings import BY_HAND
 from simcompare.model.trajectory import BODY_SIGNALS, Array
 
 #: most lines of a script where one body moves, and elsewhere
@@ -24,6 +25,7 @@ _LEVELS = {
     "default": "as it comes",
     "coefficients": "as it comes, with restitution and friction set",
     "tuned": "tuned by its own parameters",
+    BY_HAND: "with values set by hand",
 }
 
 
@@ -147,7 +149,7 @@ def _product(sign: str, names: Sequence[str], parts: str) -> list[str]:
 
 def _head(name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]) -> list[str]:
     """At most four lines that say what this is."""
-    scenario, level = plan.scenario, plan.settings.contact
+    scenario, level = plan.scenario, BY_HAND if plan.by_hand else plan.settings.contact
     own = importlib.metadata.version("simcompare")
     title = f"{scenario.title} in {engine.name} {engine.version()}"
     longer = f"{title}, {_LEVELS[level]}"

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from simcompare.comparison.repeats import repeats_of, sample_step_s
-from simcompare.engine import engines
+from simcompare.engine import by_hand, engines
 from simcompare.engine.backend import EngineBackend, refuse
+from simcompare.engine.by_hand import OPTION
 from simcompare.engine.calibration.plan import drop_plans
 from simcompare.engine.calibration.tuned import tuned
 from simcompare.engine.scripting.contract import Plan, script_of
@@ -54,6 +55,7 @@ def script(
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     fit: str | None = None,
+    own: Mapping[str, str | float] | None = None,
     step: str | float | None = None,
     contact: str | None = None,
     name: str | None = None,
@@ -66,6 +68,8 @@ def script(
         set: parameters that differ from the file; text may carry a unit ("30cm").
         preset: named set of parameters, applied first.
         fit: fit.json of ``simcompare fit``; the engine gets its own parameters.
+        own: contact values of the engine, such as ``{"pymunk.elasticity": 0.9}``, in place of those
+            that would be found for it.
         step: the engine's step, "1ms" or in seconds.
         contact: "default", "coefficients" or "tuned"; with a fit "tuned", else "default".
         name: of the script's file, without the ending.
@@ -80,7 +84,7 @@ def script(
     chosen = engines.get(engine)
     writer = script_of(chosen)
     assert isinstance(chosen, EngineBackend), "only those have a method script()"
-    level = level_of(contact, fit)
+    level = level_of(contact, fit, own)
     file = catalogue.load(scenario)
     values = _values(file, engine, set or {}, fit)
     step_s = None if fit is None else fit_values.read(fit).usual_step_s
@@ -90,10 +94,12 @@ def script(
     nominal = repeats[len(repeats) // 2]
     shifted = _shifted(file, nominal)
     chosen.version()
-    settings, tuning = _settings(chosen, level, nominal, fit)
+    settings, tuning = _settings(chosen, level, nominal, fit, own or {})
     expected = expected_of(file, engine, repeats, shifted, settings)
     efforts, inputs = efforts_of(nominal)
-    plan = Plan(nominal, shifted, settings, efforts, _lacking(chosen, nominal, settings), tuning)
+    plan = Plan(
+        nominal, shifted, settings, efforts, _lacking(chosen, nominal, settings), tuning, bool(own)
+    )
     parts = writer.parts(chosen, plan)
     named = name or f"{nominal.name}_{engine.replace(engines.VARIANT, '_')}"
     text, stored = assembled(named, chosen, plan, parts, expected, inputs)
@@ -101,7 +107,11 @@ def script(
 
 
 def _settings(
-    engine: EngineBackend, level: str, nominal: Scenario, fit: str | None
+    engine: EngineBackend,
+    level: str,
+    nominal: Scenario,
+    fit: str | None,
+    own: Mapping[str, str | float],
 ) -> tuple[Settings, Sequence[TuningRow]]:
     """How the engine is run; tuned, with the numbers for all restitutions and how they were found.
 
@@ -111,7 +121,10 @@ def _settings(
     if level != TUNED:
         return Settings(level), ()
     asked = Settings(level, drops=drop_plans(nominal))
-    if fit is not None:
+    typed = by_hand.read(own, [engine.name], nominal).settings(engine.name, nominal)
+    if typed is not None:
+        asked = typed
+    elif fit is not None:
         asked = fit_values.read(fit).settings(engine.name, nominal)
         if asked.contact != TUNED:
             raise InputError(
@@ -137,13 +150,18 @@ def _lacking(engine: EngineBackend, nominal: Scenario, settings: Settings) -> fr
         opened.close()
 
 
-def level_of(contact: str | None, fit: str | None) -> str:
+def level_of(
+    contact: str | None, fit: str | None, own: Mapping[str, str | float] | None = None
+) -> str:
     """The contact level that is asked for.
 
     Raises:
         InputError: it has no plain loop, or does not exist.
     """
-    level = contact or ("tuned" if fit is not None else DEFAULT)
+    if own and contact not in (None, TUNED):
+        fault = f"{OPTION} gives values for a bounce, and all else is as in {TUNED}; leave it out"
+        raise InputError(f"--contact {contact}", [fault])
+    level = contact or ("tuned" if fit is not None or own else DEFAULT)
     if level in ("assisted", "mapped"):
         raise InputError(
             f"--contact {level}",
