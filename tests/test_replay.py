@@ -13,12 +13,16 @@ import pytest
 from pydantic import TypeAdapter
 
 import simcompare
+from simcompare.engine import engines
+from simcompare.model.drawing import DrawnBody, drawn
 from simcompare.model.rotations import rotate
+from simcompare.model.settings import Settings
 from simcompare.model.shapes import Shape
-from simcompare.model.trajectory import TRUTH
+from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports import builder
 from simcompare.reports.render import matplotlib_replay, replay_page
 from simcompare.reports.render.meshes import Mesh, mesh_of, sheet
+from simcompare.reports.render.staging import Source, staged
 from simcompare.reports.run.replay import replay_of
 from simcompare.verbs.result import Result
 
@@ -121,6 +125,8 @@ def test_a_page_holds_the_motion_and_stays_small(run: Result, tmp_path: Path) ->
     motion = held["actors"][0]["motions"]["ball"]["at"]
     found = np.frombuffer(base64.b64decode(motion), dtype="<f4").reshape(-1, 3)
     assert found == pytest.approx(replay.actors[0].motions["ball"].position_m, abs=1e-6)
+    turns = np.frombuffer(base64.b64decode(held["actors"][0]["motions"]["ball"]["turn"]), "<i2")
+    assert turns.tolist() == [32767, 0, 0, 0]  # the ball does not turn, so it is told once
     page = builder.write_html([run], tmp_path / "report.html").read_text(encoding="utf-8")
     assert text in page
     assert "class Replay" in page
@@ -138,6 +144,75 @@ def test_a_body_is_drawn_by_its_visual_and_simulated_by_its_shapes() -> None:
     wheel = robot.bodies["left_wheel"]
     assert [shape.type for shape in wheel.shapes] == ["sphere"]
     assert [shape.type for shape in wheel.seen] == ["cylinder", "box"]
+
+
+@pytest.mark.parametrize("name", simcompare.scenarios.catalogue.names())
+def test_a_scenario_can_be_seen(name: str) -> None:
+    """With all its presets; bodies that only carry others may stay unseen."""
+    file = simcompare.scenarios.catalogue.load(name)
+    for values in [{}, *(preset.set for preset in file.presets.values())]:
+        scene = drawn(file.resolve(dict(values)))
+        moving = [body for body in scene.values() if not body.fixed]
+        assert moving
+        assert all(len(mesh_of(body.shapes).corners) for body in moving)
+
+
+def test_engines_never_see_how_a_body_is_drawn() -> None:
+    file = simcompare.scenarios.catalogue.load("pendulum")
+    scenario = file.resolve()
+    bare = scenario.model_copy(
+        update={
+            "bodies": {
+                name: body.model_copy(update={"visual": ()})
+                for name, body in scenario.bodies.items()
+            }
+        }
+    )
+    backend = engines.get("pymunk")
+    one, other = (backend.simulate(each, Settings()) for each in (scenario, bare))
+    assert np.array_equal(one.signals["bob.position_m"], other.signals["bob.position_m"])
+
+
+def _turning(rate_rad_s: float, duration_s: float) -> Trajectory:
+    time_s = np.arange(0, duration_s, 1e-3)
+    half = rate_rad_s * time_s / 2
+    turns = np.stack([np.cos(half), 0 * half, np.sin(half), 0 * half], axis=1)
+    place = np.zeros((len(time_s), 3))
+    return Trajectory("engine", time_s, {"disc.position_m": place, "disc.orientation_wxyz": turns})
+
+
+DISC = {
+    "disc": DrawnBody(
+        False, (0, 0, 0), (1, 0, 0, 0), (_shape(type="box", size_m=[0.1, 0.02, 0.1]),)
+    )
+}
+
+
+def test_what_turns_fast_is_shown_often_enough() -> None:
+    """Above half a turn from picture to picture it would seem to turn backwards."""
+    replay = staged(DISC, [Source("engine", "#112233", "", _turning(300, 1.0))], "")
+    assert replay is not None
+    motion = replay.actors[0].motions["disc"]
+    assert 300 / len(replay.time_s) < np.pi / 2
+    assert motion.position_m.shape == (1, 3)
+
+
+def test_what_stays_in_its_place_stands_side_by_side_along_its_swing() -> None:
+    """A disc on an axle along y is seen along y."""
+    replay = staged(DISC, [Source("engine", "#112233", "", _turning(10, 1.0))], "")
+    assert replay is not None
+    assert (replay.across, replay.is_flat, replay.is_upright) == (0, True, True)
+
+
+def test_a_source_that_is_no_number_is_left_out() -> None:
+    whole = _turning(10, 1.0)
+    nowhere = np.full_like(whole.signals["disc.position_m"], np.nan)
+    lost = replace(whole, signals={**whole.signals, "disc.position_m": nowhere})
+    sources = [Source("lost", "#112233", "", lost), Source("kept", "#112233", "", _turning(10, 1))]
+    replay = staged(DISC, sources, "")
+    assert replay is not None
+    assert [actor.label for actor in replay.actors] == ["kept"]
+    assert staged(DISC, sources[:1], "") is None
 
 
 def test_a_placed_surface_is_turned_and_moved(run: Result) -> None:

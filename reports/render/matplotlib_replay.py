@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,7 +119,12 @@ def _surfaces(
     """Draws what never moves and all sources at some instants, the last one full."""
     shifts = _shifts(replay, len(actors))
     drawn = [
-        _surface(axes, _moved(replay.still, replay, shift), _FLOOR, 1.0, 0) for shift in shifts
+        _surface(axes, mesh, _FLOOR, 1.0, 0)
+        for mesh in (
+            _ground(replay, shifts),
+            *(_moved(replay.still, replay, one) for one in shifts),
+        )
+        if len(mesh.corners)
     ]
     for actor, shift in zip(actors, shifts, strict=True):
         for place in places:
@@ -129,8 +135,16 @@ def _surfaces(
     return drawn
 
 
+def _ground(replay: Replay, shifts: Sequence[float]) -> Mesh:
+    """Floors and walls under all lanes."""
+    corners, across = replay.ground.corners.copy(), replay.across
+    middle = (replay.low_m[across] + replay.high_m[across]) / 2
+    corners[:, across] += np.where(corners[:, across] > middle, max(shifts), min(shifts))
+    return replace(replay.ground, corners=corners)
+
+
 def _moved(mesh: Mesh, replay: Replay, shift: float) -> Mesh:
-    return Mesh(mesh.corners + shift * np.eye(3)[replay.across], mesh.triangles)
+    return replace(mesh, corners=mesh.corners + shift * np.eye(3)[replay.across])
 
 
 def _surface(axes: Any, mesh: Mesh, colour: str, alpha: float, rank: int) -> Any:  # noqa: ANN401
@@ -139,7 +153,8 @@ def _surface(axes: Any, mesh: Mesh, colour: str, alpha: float, rank: int) -> Any
 
     faces = mesh.corners[mesh.triangles]
     light = np.clip(_normals(faces) @ (_LIGHT / np.linalg.norm(_LIGHT)), 0.0, 1.0)
-    colours = np.clip(np.outer(0.6 + 0.45 * light, to_rgb(colour)), 0.0, 1.0)
+    tone = (0.6 + 0.45 * light) * mesh.tones[mesh.triangles[:, 0]]
+    colours = np.clip(np.outer(tone, to_rgb(colour)), 0.0, 1.0)
     solid = np.column_stack([colours, np.full(len(faces), alpha)])
     surface = Poly3DCollection(faces, facecolors=solid, linewidths=0, zorder=rank)
     return axes.add_collection3d(surface)

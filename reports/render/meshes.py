@@ -15,6 +15,8 @@ from simcompare.model.trajectory import Array
 Indices = NDArray[np.int64]
 #: corners of what is round, along a full turn and from pole to pole
 _ROUND, _POLES = 18, 9
+#: of all shapes of a body but the first, so that they are seen as parts
+_DARKER = 0.68
 
 
 @dataclass(frozen=True)
@@ -24,27 +26,32 @@ class Mesh:
     Attributes:
         corners: places (n, 3) [m].
         triangles: three numbers of corners each (m, 3).
+        tones: part of the colour that each corner has (n,), below 1 where it is darker.
     """
 
     corners: Array
     triangles: Indices
+    tones: Array
 
 
 def mesh_of(shapes: Iterable[Shape]) -> Mesh:
     """All shapes of a body in the body's frame; a plane, which has no end, is left out."""
-    return joined(_placed(shape) for shape in shapes if not isinstance(shape, Plane))
+    solid = [shape for shape in shapes if not isinstance(shape, Plane)]
+    return joined(_placed(shape, _DARKER if k else 1.0) for k, shape in enumerate(solid))
 
 
 def joined(meshes: Iterable[Mesh]) -> Mesh:
     """Several meshes as one."""
     corners: list[Array] = [np.empty((0, 3))]
     triangles: list[Indices] = [np.empty((0, 3), dtype=np.int64)]
+    tones: list[Array] = [np.empty(0)]
     count = 0
     for mesh in meshes:
         corners.append(mesh.corners)
         triangles.append(mesh.triangles + count)
+        tones.append(mesh.tones)
         count += len(mesh.corners)
-    return Mesh(np.concatenate(corners), np.concatenate(triangles))
+    return Mesh(np.concatenate(corners), np.concatenate(triangles), np.concatenate(tones))
 
 
 def sheet(place_m: Array, normal: Array, low_m: Array, high_m: Array) -> Mesh:
@@ -63,21 +70,26 @@ def sheet(place_m: Array, normal: Array, low_m: Array, high_m: Array) -> Mesh:
     corners[:, second] = [low_m[second], low_m[second], high_m[second], high_m[second]]
     slope = (corners[:, [first, second]] - place_m[[first, second]]) @ normal[[first, second]]
     corners[:, lead] = place_m[lead] - slope / normal[lead]
-    return Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    return _even(corners, np.array([[0, 1, 2], [0, 2, 3]]))
 
 
-def _placed(shape: Shape) -> Mesh:
+def _even(corners: Array, triangles: Indices) -> Mesh:
+    return Mesh(corners, triangles, np.ones(len(corners)))
+
+
+def _placed(shape: Shape, tone: float) -> Mesh:
     assert not isinstance(shape, Plane)
     mesh = _box(shape.size_m) if shape.type == "box" else _turned(_profile(shape))
     turn = np.tile(shape.orientation_wxyz, (len(mesh.corners), 1))
-    return Mesh(rotate(turn, mesh.corners) + np.array(shape.position_m), mesh.triangles)
+    corners = rotate(turn, mesh.corners) + np.array(shape.position_m)
+    return Mesh(corners, mesh.triangles, tone * mesh.tones)
 
 
 def _box(size_m: tuple[float, float, float]) -> Mesh:
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2
     faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     halves = [half for a, b, c, d in faces for half in ((a, b, c), (a, c, d))]
-    return Mesh(corners * size_m, np.array(halves))
+    return _even(corners * size_m, np.array(halves))
 
 
 def _profile(shape: Shape) -> Array:
@@ -104,4 +116,4 @@ def _turned(profile: Array) -> Mesh:
     here, beside = ring * _ROUND + place, ring * _ROUND + (place + 1) % _ROUND
     lower = np.stack([here, beside, beside + _ROUND], axis=-1).reshape(-1, 3)
     upper = np.stack([here, beside + _ROUND, here + _ROUND], axis=-1).reshape(-1, 3)
-    return Mesh(corners.reshape(-1, 3), np.concatenate([lower, upper]))
+    return _even(corners.reshape(-1, 3), np.concatenate([lower, upper]))

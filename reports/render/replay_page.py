@@ -15,6 +15,8 @@ from simcompare.reports.render.replays import Actor, Motion, Replay
 Json = dict[str, Any]
 #: digits of a corner: a tenth of a micrometre
 _DIGITS = 7
+#: parts of a quaternion are whole numbers: 1 is this one
+_ONE = 32767
 
 
 def embedded(replay: Replay) -> str:
@@ -31,6 +33,7 @@ def as_dict(replay: Replay) -> Json:
         "count": len(replay.time_s),
         "bodies": {name: _mesh(mesh) for name, mesh in replay.bodies.items()},
         "still": _mesh(replay.still),
+        "ground": _mesh(replay.ground),
         "levels": replay.levels,
         "actors": list(map(_actor, replay.actors)),
         "low": replay.low_m.tolist(),
@@ -44,7 +47,8 @@ def as_dict(replay: Replay) -> Json:
 
 def _mesh(mesh: Mesh) -> Json:
     corners = np.round(mesh.corners, _DIGITS).T.tolist()
-    return {"corners": corners, "triangles": mesh.triangles.T.tolist()}
+    tones = np.round(mesh.tones, 2).tolist()
+    return {"corners": corners, "triangles": mesh.triangles.T.tolist(), "tones": tones}
 
 
 def _actor(actor: Actor) -> Json:
@@ -57,8 +61,9 @@ def _actor(actor: Actor) -> Json:
 
 
 def _motion(motion: Motion) -> Json:
-    return {"at": _packed(motion.position_m), "turn": _packed(motion.orientation_wxyz)}
+    turns = np.round(motion.orientation_wxyz * _ONE)
+    return {"at": _packed(motion.position_m, "<f4"), "turn": _packed(turns, "<i2")}
 
 
-def _packed(values: Array) -> str:
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")
+def _packed(values: Array, kind: str) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ class Motion:
     """Where one body is.
 
     Attributes:
-        position_m: its place at each time (n, 3), world frame [m].
+        position_m: its place at each time (n, 3), world frame [m]; (1, 3) where it stays.
         orientation_wxyz: how it is turned at each time (n, 4); (1, 4) where it does not turn.
     """
 
@@ -47,7 +47,8 @@ class Actor:
         motion = self.motions[name]
         turn = motion.orientation_wxyz[min(index, len(motion.orientation_wxyz) - 1)]
         corners = rotate(np.tile(turn, (len(mesh.corners), 1)), mesh.corners)
-        return Mesh(corners + motion.position_m[index], mesh.triangles)
+        place = motion.position_m[min(index, len(motion.position_m) - 1)]
+        return replace(mesh, corners=corners + place)
 
 
 @dataclass(frozen=True)
@@ -60,15 +61,15 @@ class Replay:
         caption: what to see in it, one or two sentences.
         time_s: instants (n,), evenly spaced [s].
         bodies: body that moves -> its surface in its own frame.
-        still: surface of what never moves, world frame.
+        still: surface of what never moves, world frame; each lane has its own.
+        ground: surface of floors and walls, which all lanes share.
         actors: who moves them; the first level of them is shown first.
         low_m: lowest corner of what is shown (3,) [m].
         high_m: highest corner (3,) [m].
-        across: horizontal axis, 0 or 1, along which least moves; sources may stand side by side
-            along it.
-        width_m: of what stands side by side there [m].
-        is_flat: whether next to nothing moves across, so that they do at first.
-        is_upright: whether more moves up and down than along, so that it is seen from the front.
+        across: horizontal axis, 0 or 1, along which sources may stand side by side.
+        width_m: from one to the next there [m].
+        is_flat: whether little moves across, so that they do at first.
+        is_upright: whether it stays in its place, so that it is seen from the front.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Replay:
     time_s: Array
     bodies: Mapping[str, Mesh]
     still: Mesh
+    ground: Mesh
     actors: tuple[Actor, ...]
     low_m: Array
     high_m: Array

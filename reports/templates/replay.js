@@ -3,11 +3,13 @@
 const Replay = (() => {
   const LINE = 14, SHADE = { ambient: 0.65, diffuse: 0.6, specular: 0.1, roughness: 0.8 };
   // height of the stage, and its width over its height, in the units in which Plotly places the eye
-  const HIGH = 1.15, WIDE = 0.85;
+  const HIGH = 1.15, WIDE = { corner: 0.85, front: 1.35 };
   // more names than these stand in two rows
   const CLOSE = 5;
+  // a whole number that is 1 in a quaternion
+  const ONE = 32767;
   const FLOOR = "#E8E8E8", SEEN = { several: 0.72, alone: 1 };
-  const numbers = (text) => new Float32Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+  const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
   // where the eye stands, by the axis along which sources stand side by side
   const FRONT = 1;
   const VIEWS = {
@@ -33,8 +35,8 @@ const Replay = (() => {
     show(scene, isSame = false) {
       if (this.playing) this.toggle();
       for (const motion of scene.actors.flatMap((actor) => Object.values(actor.motions))) {
-        motion.at = numbers(motion.at);
-        motion.turn = numbers(motion.turn);
+        motion.at = new Float32Array(bytes(motion.at));
+        motion.turn = Float32Array.from(new Int16Array(bytes(motion.turn)), (one) => one / ONE);
       }
       this.scene = scene;
       this.time = scene.begin;
@@ -55,6 +57,7 @@ const Replay = (() => {
       list.replaceChildren(...levels.map((level) => new Option(level, level, false, level === last)));
       list.closest("label").hidden = levels.length < 2;
     }
+    get faces() { return this.control("view").selectedIndex === FRONT; }
     get level() { return this.scene.levels.length > 1 ? this.control("level").value : this.scene.levels[0]; }
     get candidates() { return this.scene.actors.filter((actor) => !actor.level || actor.level === this.level); }
     get shown() {
@@ -81,7 +84,8 @@ const Replay = (() => {
       const exact = (this.time - begin) / (end - begin) * (count - 1), first = Math.min(Math.floor(exact), count - 1);
       const second = Math.min(first + 1, count - 1), part = exact - first;
       for (const [name, motion] of Object.entries(actor.motions)) {
-        const at = [0, 1, 2].map((i) => (1 - part) * motion.at[3 * first + i] + part * motion.at[3 * second + i]);
+        const moves = motion.at.length > 3, here = moves ? 3 * first : 0, next = moves ? 3 * second : 0;
+        const at = [0, 1, 2].map((i) => (1 - part) * motion.at[here + i] + part * motion.at[next + i]);
         at[across] += shift;
         const turns = motion.turn.length > 4, a = turns ? 4 * first : 0, b = turns ? 4 * second : 0;
         // the shorter way from one turn to the next
@@ -115,21 +119,35 @@ const Replay = (() => {
       if (!this.control("lanes").checked) return shown.map(() => 0);
       return shown.map((_, i) => (i - (shown.length - 1) / 2) * this.scene.width);
     }
+    // colour of each corner: parts of a body that are set off are darker
+    tones(actor) {
+      const rgb = [1, 3, 5].map((at) => parseInt(actor.colour.slice(at, at + 2), 16));
+      return Object.keys(actor.motions).flatMap((name) => this.scene.bodies[name].tones.map((tone) => `rgb(${rgb.map((one) => Math.round(one * tone)).join(",")})`));
+    }
     mesh([x, y, z], [i, j, k], colour, opacity, name) {
-      return { type: "mesh3d", x, y, z, i, j, k, color: colour, opacity, name, flatshading: false, lighting: SHADE, hoverinfo: name ? "name" : "skip" };
+      return { type: "mesh3d", x, y, z, i, j, k, ...(Array.isArray(colour) ? { vertexcolor: colour } : { color: colour }), opacity, name, flatshading: false, lighting: SHADE, hoverinfo: name ? "name" : "skip" };
     }
+    // what never moves: solids once in each lane, floors and walls once under all of them
     still(shifts) {
-      const { corners, triangles } = this.scene.still, { across } = this.scene, apart = [...new Set(shifts)];
-      const places = corners.map((row, axis) => apart.flatMap((shift) => row.map((one) => one + (axis === across ? shift : 0))));
-      const faces = triangles.map((row) => apart.flatMap((_, n) => row.map((one) => one + n * corners[0].length)));
-      return { ...this.mesh(places, faces, FLOOR, 1, ""), lighting: { ambient: 1, diffuse: 0, specular: 0 } };
+      const { still, ground, across, low, high } = this.scene, apart = [...new Set(shifts)];
+      const ends = [Math.min(...apart, 0), Math.max(...apart, 0)], middle = (low[across] + high[across]) / 2;
+      const places = [0, 1, 2].map((axis) => [
+        ...apart.flatMap((shift) => still.corners[axis].map((one) => one + (axis === across ? shift : 0))),
+        ...ground.corners[axis].map((one) => one + (axis === across ? ends[Number(one > middle)] : 0)),
+      ]);
+      const count = still.corners[0].length;
+      const faces = [0, 1, 2].map((corner) => [
+        ...apart.flatMap((_, n) => still.triangles[corner].map((one) => one + n * count)),
+        ...ground.triangles[corner].map((one) => one + apart.length * count),
+      ]);
+      return { ...this.mesh(places, faces, FLOOR, 1, ""), lighting: { ambient: 0.85, diffuse: 0.25, specular: 0 } };
     }
-    // the name of each source at the foot of its lane
+    // the name of each source: at the foot of its lane, or above where floors would hide it
     names(shown, shifts) {
       const { low, high, across } = this.scene;
-      const axes = [0, 1, 2].map((axis) => shifts.map((shift) => (axis === across ? (low[axis] + high[axis]) / 2 + shift : low[axis])));
+      const axes = [0, 1, 2].map((axis) => shifts.map((shift) => (axis === across ? (low[axis] + high[axis]) / 2 + shift : axis === 2 && !this.faces ? high[axis] : low[axis])));
       const [x, y, z] = axes;
-      return { type: "scatter3d", mode: "text", x, y, z, text: shown.map((one, i) => (shown.length > CLOSE && i % 2 ? "\u00a0<br>" : "") + one.label.replace(/ \(.*/, "")), textfont: { size: LINE - 1, color: "#222" }, textposition: "bottom center", hoverinfo: "skip" };
+      return { type: "scatter3d", mode: "text", x, y, z, text: shown.map((one, i) => (shown.length > CLOSE && i % 2 ? "\u00a0<br>" : "") + one.label.replace(/ \(.*/, "")), textfont: { size: LINE - 1, color: "#222" }, textposition: this.faces ? "bottom center" : "top center", hoverinfo: "skip" };
     }
     range(shifts) {
       return [0, 1, 2].map((axis) => {
@@ -140,19 +158,20 @@ const Replay = (() => {
     // a metre is as long along each axis, and the whole fits into the stage
     aspect(range) {
       const sizes = range.map(([low, high]) => high - low), stage = this.plot.clientWidth / this.plot.clientHeight;
-      const unit = Math.max(sizes[2] / HIGH, Math.hypot(sizes[0], sizes[1]) / (WIDE * stage));
+      const unit = Math.max(sizes[2] / HIGH, Math.hypot(sizes[0], sizes[1]) / ((this.faces ? WIDE.front : WIDE.corner) * stage));
       return Object.fromEntries(["x", "y", "z"].map((key, axis) => [key, sizes[axis] / unit]));
     }
     draw() {
       if (!this.scene || !this.plot.clientWidth) return;
       const shown = this.shown, shifts = this.shifts(shown), lanes = this.control("lanes").checked;
       const seen = shown.length > 1 && !lanes ? SEEN.several : SEEN.alone;
-      const data = shown.map((actor, n) => this.mesh(this.corners(actor, shifts[n]), this.triangles(actor), actor.colour, seen, actor.label));
-      if (this.scene.still.corners[0].length) data.push(this.still(shifts));
+      const data = shown.map((actor, n) => this.mesh(this.corners(actor, shifts[n]), this.triangles(actor), this.tones(actor), seen, actor.label));
+      if (this.scene.still.corners[0].length + this.scene.ground.corners[0].length) data.push(this.still(shifts));
       if (lanes && shown.length > 1) data.push(this.names(shown, shifts));
       // lanes have no place of their own, and what is seen from its end has no length
-      const bare = (i) => lanes && i < 2 && (i === this.scene.across || this.control("view").value === "from the front");
-      const range = this.range(shifts), axis = (i, title) => ({ range: range[i], title: { text: bare(i) ? "" : title }, showticklabels: !bare(i), showspikes: false, backgroundcolor: "#fff", gridcolor: "#ddd", nticks: 5, tickfont: { size: LINE - 3 } });
+      const bare = (i) => lanes && i < 2 && (i === this.scene.across || this.faces);
+      const range = this.range(shifts), sizes = range.map(([low, high]) => high - low), longest = Math.max(...sizes);
+      const axis = (i, title) => ({ range: range[i], title: { text: bare(i) ? "" : title }, showticklabels: !bare(i), showspikes: false, backgroundcolor: "#fff", gridcolor: "#ddd", nticks: Math.max(3, Math.round(6 * sizes[i] / longest)), tickfont: { size: LINE - 3 } });
       const camera = this.plot.layout ? this.plot.layout.scene.camera : this.camera();
       const layout = {
         margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, width: this.plot.clientWidth, height: this.plot.clientHeight,
