@@ -323,3 +323,58 @@ def test_columns_that_a_mapping_leaves_alone_do_not_block(mapped):
     made = mapped(text, "channels: {supply: {column: u, unit: V}}")
     assert [*channels(made)] == ["supply_V"]
     assert left_out(made)["note"].reason == "holds text such as 'ERR 7' (line 33)"
+
+
+def test_an_accelerometer_that_never_rests_is_known_by_its_mean(read):
+    head = "t (s),acc_x,acc_y,acc_z\n"
+    swing = [
+        lambda i: 0.4 * np.sin(i),
+        lambda i: 0.3 * np.cos(2 * i),
+        lambda i: 1 + 0.2 * (-1) ** i,
+    ]
+    made = read(head + rows(400, *swing))
+    assert middle(made, "acc_z_m_s2") == pytest.approx(9.81, rel=0.21)  # it swings up by 0.2 g
+    assert "gravity_unit" in rules(made)
+    with pytest.raises(
+        InputError, match="no unit is known"
+    ):  # as a phone gives it, without gravity
+        read(head + rows(400, *swing[:2], lambda i: 2.5 * (-1) ** i))
+
+
+def test_a_quaternion_is_known_by_its_length(read):
+    q = [lambda i: np.cos(i / 50), lambda i: np.sin(i / 50), lambda _: 0, lambda _: 0]
+    made = read(
+        "t (s),pose_w,pose_x,pose_y,pose_z,q0,q1,q2,q3\n" + rows(100, *q, *([lambda _: 2] * 4))
+    )
+    assert [*channels(made)] == ["pose_w", "pose_x", "pose_y", "pose_z"]
+    assert [*left_out(made)] == ["q0", "q1", "q2", "q3"]
+    assert "quaternion" in rules(made)
+
+
+def test_counts_and_turns_are_known_by_their_names(read):
+    made = read("t (s),TargetCounts,rpm_left,rpm_kp\n" + rows(50, *[lambda _: 30] * 3))
+    assert {n: c.unit for n, c in channels(made).items()} == {
+        "targetcounts": "1", "rpm_left_rad_s": "rad/s",
+    }  # fmt: skip
+    assert middle(made, "rpm_left_rad_s") == pytest.approx(np.pi)
+    assert [*left_out(made)] == ["rpm_kp"]
+
+
+def test_a_date_that_never_changes_is_no_clock(read):
+    lines = [f"2024-10-17 19:22:22;{1729182142 + i / 50:.3f};{i}" for i in range(100)]
+    made = read("Date;Timestamp;u (V)\n" + "\n".join(lines) + "\n")
+    (stream,) = made.streams.values()
+    assert stream.time_s[-1] == pytest.approx(1.98)
+    assert left_out(made)["Date"].reason == "is the same in all rows"
+
+
+def test_how_sure_the_numbers_are_hides_no_unit(read):
+    made = read("Time (seconds) (± 0.008s)\tx-coordinate of mass 1 (cm) (+- 0.2 cm)\n" + rows(
+        50, lambda i: i).replace(",", "\t"))  # fmt: skip
+    assert [*channels(made)] == ["x_coordinate_of_mass_1_m"]
+
+
+def test_beside_decimal_points_a_comma_is_none(read):
+    made = read("t (s),u (V),temp (C)\n" + rows(50, lambda i: i / 8, lambda i: f'"20,{i % 7}"'))
+    assert [*channels(made)] == ["u_V"]
+    assert left_out(made)["temp"].reason == "holds text such as '20,0'"

@@ -23,6 +23,7 @@ from simcompare.hardware.conditioning.units import (
     left_out,
     naming,
     plausible_units,
+    quaternion,
 )
 from simcompare.hardware.conditioning.values import (
     angle_wrap,
@@ -58,6 +59,7 @@ CHECKS: tuple[Callable[[Work], None], ...] = (
     angle_wrap.check,
     saturation.check,
     gravity.check,
+    quaternion.check,
     plausible_units.check,
     inertial.check,
     truncated.check,

@@ -12,13 +12,16 @@ from simcompare.hardware.conditioning.units import quantity
 from simcompare.hardware.conditioning.units.meaning import Claim, claims, reread, title, triads
 from simcompare.hardware.conditioning.units.rest import rest
 from simcompare.hardware.conditioning.work import Work
+from simcompare.model.trajectory import Array
 
 #: how far it may be from 1; sheets of cheap sensors allow 0.17 g of offset and scale together
 _TOLERANCE = 0.15
+#: the same where a name says that it is an acceleration: the next unit is ten times larger
+_NAMED_TOLERANCE = 0.2
 #: as many of each unit are one g
-_IN = {"g_0": 1.0, "mg_0": 1e3, "ug_0": 1e6, "m/s^2": 9.80665}
+_IN = {"g_0": 1.0, "mg_0": 1e3, "ug_0": 1e6, "m/s^2": 9.80665, "mm/s^2": 9806.65}
 #: units that an acceleration without any may have
-_USUAL = ("m/s^2", "g_0")
+_USUAL = ("m/s^2", "g_0", "mg_0", "mm/s^2")
 _AXIS = re.compile(r"(?:^|[^a-z])[xyz](?:$|[^a-z])")
 
 
@@ -27,8 +30,10 @@ def check(work: Work) -> None:
     if len(work.time_s) < 2:
         return
     for group in _groups([claim for claim in claims(work) if not claim.si and _ways(claim)]):
-        size = _size_at_rest(work, group)
-        unit = next((w for w in _ways(group[0]) if abs(size / _IN[w] - 1) < _TOLERANCE), "")
+        said = bool(group[0].unit)
+        size = _size_at_rest(work, group) or (0.0 if said else _mean_size(group))
+        near = _TOLERANCE if said else _NAMED_TOLERANCE
+        unit = next((w for w in _ways(group[0]) if abs(size / _IN[w] - 1) < near), "")
         if not unit:
             continue
         was = f"in {group[0].unit}" if group[0].unit else "without a unit"
@@ -36,8 +41,8 @@ def check(work: Work) -> None:
             reread(work, claim, unit, 1.0)
         work.info(
             "gravity_unit",
-            f"{title(group)} {was}: at rest their length is {size:.4g}, as that of gravity is in"
-            f" {unit}; taken so",
+            f"{title(group)} {was}: at rest, or on average, they are {size:.4g} long, as gravity is"
+            f" in {unit}; taken so",
             channel=group[0].column.name, after={"rest": size},
         )  # fmt: skip
 
@@ -45,7 +50,7 @@ def check(work: Work) -> None:
 def _ways(claim: Claim) -> tuple[str, ...]:
     """Units of acceleration that a column may have, none where its unit is of another kind."""
     if not claim.unit:
-        named = quantity.measures_acceleration(claim.column.name)
+        named = quantity.measures_acceleration(claim.column.name) or claim.kind == "specific_force"
         return _USUAL if named and claim.wish is None else ()
     return tuple(way for way in units.ways(claim.unit) if way in _IN)
 
@@ -69,6 +74,22 @@ def _size_at_rest(work: Work, group: Sequence[Claim]) -> float:
     at_rest = rest(work, group)
     if at_rest is not None:
         return at_rest.size if at_rest.steady else 0.0
-    lengths = np.linalg.norm([claim.values(slice(None)) for claim in group], axis=0)
+    lengths = _lengths(group)
     low, middle, high = np.nanquantile(lengths, (0.1, 0.5, 0.9))
     return float(middle) if high - low < 0.1 * middle else 0.0
+
+
+def _mean_size(group: Sequence[Claim]) -> float:
+    """Length of the mean of three axes that never rest, 0 where most samples are not so long.
+
+    What accelerates a body averages out, gravity does not.
+    """
+    if len(group) != 3:
+        return 0.0
+    mean = float(np.linalg.norm([np.nanmean(claim.values(slice(None))) for claim in group]))
+    usual = float(np.nanmedian(_lengths(group)))
+    return mean if abs(usual / mean - 1) < _NAMED_TOLERANCE else 0.0
+
+
+def _lengths(group: Sequence[Claim]) -> Array:
+    return np.asarray(np.linalg.norm([claim.values(slice(None)) for claim in group], axis=0))

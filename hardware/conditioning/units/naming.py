@@ -58,6 +58,9 @@ def _settle_unit(work: Work, column: RawColumn, names: Sequence[str]) -> None:
         column.unit = time.unit
     elif not column.unit:
         column.unit = quantity.from_suffix(column.name, names)
+        if not column.unit and quantity.counts(column.name):
+            column.unit = "1"
+            work.info("counts", "holds counts, by its name: plain numbers", channel=column.name)
 
 
 def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | None, str]]:
@@ -65,7 +68,8 @@ def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | No
     wishes = work.mapping.of_column(work.stream.name, column.name)
     if wishes:
         return [(wish, name) for name, wish in wishes]
-    told = column.unit and quantity.unit_in_name(column.name) == column.unit
+    told = column.unit and column.name.lower().endswith(column.unit.lower())
+    told = told and quantity.unit_in_name(column.name) == column.unit
     stem = re.split(r"[_ .](?=[^_ .]+$)", column.name)[0] if told else column.name
     return [(None, slug(stem))]
 

@@ -33,7 +33,7 @@ _WORDS = {
     ("rad/s",): "drehzahl rpm drehrate",
     ("tesla",): "magnetometer mag magx magy magz magnetic magnetfeld field bx by bz",
     ("m/s", "rad/s"): "speed velocity geschwindigkeit vitesse vel",
-    ("m",): "distance height altitude alt abstand weg hoehe displacement",
+    ("m",): "coordinate coordinates distance height altitude alt abstand weg hoehe displacement",
     ("s",): "minute minutes hour hours",
     ("m/s**2", "m/s", "m"): "vibration shock",
     ("Hz", "rad/s"): "frequency frequenz frequence",
@@ -98,11 +98,20 @@ _TELLING = frozenset(
     ("rpm", "volts", "amps", "watts", "newtons", "psi", "celsius", "fahrenheit", "degc", "hpa",
      "kpa", "mbar", "knots", "mph", "dps")
 )  # fmt: skip
+#: words of what sets a controller
+_GAINS = frozenset(("kp", "ki", "kd", "gain", "limit"))
+#: names that end with one of them are of what was counted
+_COUNTS = frozenset(("counts", "cnts", "ticks"))
 #: what a mass stands for in the name of a force
 _WEIGHT = {"g": "gf", "kg": "kgf", "kgs": "kgf", "Kg": "kgf", "KG": "kgf"}
 _CAPITALS = {suffix.upper() for suffix in units.UNITS_BY_SUFFIX}
 _PER_SECOND = re.compile(r"1 ?/ ?s(?:ec)?|s\^?-1|s⁻¹")
 _PER_MINUTE = re.compile(r"1 ?/ ?min|min\^?-1|min⁻¹")
+
+
+def counts(name: str) -> bool:
+    """Whether a column holds numbers of counts, such as ``TargetCounts``: plain numbers."""
+    return bool(_COUNTS & {*words(name)[-1:]})
 
 
 def words(name: str) -> list[str]:
@@ -137,6 +146,9 @@ def unit_in_name(name: str) -> str:
     stem, _, last = re.sub(r"[ .]", "_", name).rpartition("_")
     if last.lower() in _TELLING:
         return last
+    said = words(name)
+    if said[:1] == ["rpm"] and not {*said} & (_OTHERWISE | _GAINS):  # rpm_left
+        return "rpm"
     possible = measured(stem)
     spelled = [way for text in (last, last.upper()) for way in units.ways(text)]
     return next((way for way in spelled if last and si_of(way) in possible), "")

@@ -104,6 +104,7 @@ def choose(
         columns = [c for c in columns if not clocks.is_period(c.name)]  # of a table of results
     if not columns:
         return None, Clock(NO_CLOCK)
+    columns = _moving(table, columns)
     column = clocks.same(columns) if len(columns) > 1 else columns[0]
     if column is None and side_by_side.blocks(table.columns, names):
         column = columns[0]
@@ -122,6 +123,17 @@ def choose(
     column.unit = column.unit or clocks.unit_of_time(column.name)
     start = _started(table, layout, column, k, repairs)
     return column.name, Clock(f"column {column.name}", start)
+
+
+def _moving(table: Table, columns: list[RawColumn]) -> list[RawColumn]:
+    """Those that change; the date of a log, the same in all rows, is no clock beside them."""
+    still = [c for c in columns if not np.any(c.values != c.values[0])]
+    if len(still) == len(columns):
+        return columns
+    for column in still:
+        table.columns.remove(column)
+        table.ignored[column.name] = "is the same in all rows"
+    return [c for c in columns if c not in still]
 
 
 def _started(table: Table, layout: Layout, column: RawColumn, k: int, repairs: list[Repair]) -> str:
