@@ -327,6 +327,28 @@ CASES = {
         "stand.txt", "Ready.\n", "Time: {ms} ms, Thrust: 1.5lbf, Torque: 0.12 Nm",
         {"thrust_N": 1.5 * 4.4482216152605, "torque_N_m": 0.12},
     ),
+    "numbers of an accelerometer that tell their unit": (
+        "AccelerometerUncalibrated.csv", "time,seconds_elapsed,z,y,x\n", "{ns},{t},1,{w},0",
+        {"z_m_s2": G},
+    ),
+    "sensor logger under longer names": (
+        "TotalAcceleration.csv", "Timestamp,seconds_elapsed,AccelerationZ\n", "{ns},{t},9.81",
+        {"accelerationz_m_s2": 9.81},
+    ),
+    "sensor fusion": ("run1.txt", "", "{ms}\tACC\t0.5\t{w}\t9.81", {"z_m_s2": 9.81}),
+    "euler angles of a vmu931": ("euler.csv", "", "euler,{ms},90,{w},1", {"x_rad": 90 * DEG}),
+    "quaternions of a vmu931": (
+        "q.csv", "Attribute,Time stamp,w,x,y,z\n", "Quaternion,{ms},0.6,0,0.8,0", {"y": 0.8},
+    ),
+    "channels of saleae": (
+        "bus.csv", "Time [s],Channel 0,Channel 1\n", "{t},1,0", {"channel_0": 1.0},
+    ),
+    "labview without its head": (
+        "data.lvm", "X_Value\tforce (N)\tComment\n", "{t}\t1.5", {"force_N": 1.5},
+    ),
+    "cells with their units": (
+        "lift.csv", "time,height,speed\n", "{t}s,150cm,2 m/s", {"height_m": 1.5, "speed_m_s": 2.0},
+    ),
     "labels of a plotter": (
         "plot.txt", "", "t_ms:{ms}\tforce_N:0.5\tangle_deg:90",
         {"force_N": 0.5, "angle_rad": 90 * DEG},
@@ -518,3 +540,46 @@ def test_the_line_for_a_faulty_clock_opens_a_log_without_units(tmp_path):
 )
 def test_a_quantity_over_its_unit_needs_no_blanks(heading, name, unit):
     assert cell.heading(heading) == (name, unit)
+
+
+def test_a_stamp_in_brackets_has_its_unit_and_the_values_a_name_each(tmp_path):
+    path = tmp_path / "first.txt"
+    path.write_text("\n" + rows("[{ms} ms] ypr: -7.4 {w} 3.8"))
+    (stream,) = importers.read(path, importers.recognise(path), mapping.NOTHING).streams
+    assert (stream.time, stream.column("time").unit) == ("time", "ms")
+    assert [c.name for c in stream.columns] == ["time", "value 1", "value 2", "value 3"]
+    assert stream.column("value 3").values[7] == 3.8
+
+
+def test_words_behind_a_stamp_are_no_header(tmp_path):
+    path = tmp_path / "scale.txt"
+    path.write_text("09:41:06, HX711 demo\n09:41:06, Readings:\n" + rows("09:41:07.{h}0, 0.5"))
+    (stream,) = importers.read(path, "csv", mapping.NOTHING).streams
+    assert (len(stream), stream.column("column_2").values[0]) == (40, 0.5)
+
+
+def test_what_a_terminal_writes_above_its_log_is_a_remark(tmp_path):
+    path = tmp_path / "putty.log"
+    path.write_text("=~=~=~= PuTTY log 2022.12.05 19:00:24 =~=~=~=\n" + rows("{t}  -18.3"))
+    (stream,) = importers.read(path, "csv", mapping.NOTHING).streams
+    assert (len(stream.columns), len(stream)) == (2, 40)
+
+
+def test_a_log_that_begins_within_a_row_has_no_header(tmp_path):
+    path = tmp_path / "bench.txt"
+    path.write_text("-0.5.50 ,C\n" + rows("{t},N,23.86,V,35.5,C"))
+    (stream,) = importers.read(path, "csv", mapping.NOTHING).streams
+    assert (len(stream.columns), len(stream)) == (3, 40)
+
+
+def test_a_source_with_usual_names_is_known_only_where_all_of_them_are_its_own():
+    of_a_phone = [("timestamp", ""), ("AccX", ""), ("AccY", "")]
+    assert profiles.find("log.csv", (), of_a_phone).title.startswith("Science Journal")
+    assert profiles.find("log.csv", (), [*of_a_phone, ("AngX", "")]) is None
+
+
+def test_a_level_that_a_logic_analyser_does_not_know_is_missing(tmp_path):
+    path = tmp_path / "bus.csv"
+    path.write_text("Time [s],Channel 0,Channel 1\n" + rows("{t},1,0") + "0.4,X,1\n")
+    (stream,) = importers.read(path, "csv", mapping.NOTHING).streams
+    assert np.isnan(stream.column("Channel 0").values[-1])

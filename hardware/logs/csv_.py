@@ -126,7 +126,7 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     if not layout.header:
         layout = _named_by_numbers(source, layout)
     names = [name for name, _ in layout.names]
-    found = profiles.find(Path(source.label).name, layout.preamble, layout.names)
+    found = profiles.find(Path(source.label).name, layout.preamble, layout.names, source.word)
     layout = replace(layout, names=found.names) if found else layout
     times = time_column.candidates(layout, found)
     layout = time_column.with_whole_stamps(source, layout, times)
@@ -135,7 +135,8 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
     times = [k for k in times if k not in parts.values()]
     spare = {name for name, _ in layout.names} - _cell.wanted_names(mapping)
     spare = spare - {layout.names[k][0] for k in times} if mapping.channels else set()
-    table = _table.read(source, layout, joined=joined is not None, spare=spare)
+    missing = found.table.missing if found else ()
+    table = _table.read(source, layout, joined=joined is not None, spare=spare, missing=missing)
     repairs = [*source.repairs, *table.repairs]
     if parts and not times:
         repairs += time_parts.join(table, {word: names[k] for word, k in parts.items()})
@@ -186,6 +187,6 @@ def _named_by_numbers(source: _source.Source, layout: Layout) -> Layout:
     lines = source.head_from(layout.first_line)[:_FIRST_ROWS]
     cells = [_cell.split(line, layout.separator) for line in lines if line.strip()]
     rows = [_cell.numbers(row, layout.decimal) for row in cells]
-    names = profiles.name([row.tolist() for row in rows if row is not None])
+    names = profiles.name([row.tolist() for row in rows if row is not None], source.word)
     fits = len(names) == len(layout.names)
     return replace(layout, names=tuple((name, "") for name in names)) if fits else layout

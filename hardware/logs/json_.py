@@ -31,7 +31,8 @@ def recognises(head: Head) -> int:
     """High for what begins as JSON does."""
     lines = [] if head.members else _source.head_lines(head.start)
     text = "\n".join(lines).lstrip()
-    begins = re.match(r'\{\s*"[^"]*"\s*:|\[\s*(?!\d+[-:]\d)[\[{\d\-]|\{\s*\}', text)
+    stamp = r"\d+[-:]\d|[\d.]+ ?[a-zµ]+\s*\]"  # [09:41:07] and [1530 ms] of a console
+    begins = re.match(rf'\{{\s*"[^"]*"\s*:|\[\s*(?!{stamp})[\[{{\d\-]|\{{\s*\}}', text)
     return 70 if begins and not re.match(r"\[[^\]\n,:]*\]\s*$", lines[0].strip()) else 0
 
 

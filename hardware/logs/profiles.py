@@ -50,7 +50,8 @@ class Quantity(_Part):
     """What a column holds.
 
     Attributes:
-        unit: of its values; "above" where a line above the header gives the unit of lengths.
+        unit: of its values; "above" where a line above the header gives the unit of lengths;
+            empty where the numbers at rest tell it.
         kind: "specific_force" or "gravity_removed", for accelerations.
         frame: in which a component is given.
     """
@@ -68,6 +69,9 @@ class TableOf(_Part):
         file: found in the name of the file.
         head: found in the lines above the header.
         columns: each of them is there.
+        closed: whether no column may be there that is not listed among the channels.
+        rows: the word that each row begins with, or has behind its stamp.
+        missing: what stands in cells where nothing was measured.
         unnamed: names of all columns, for tables without a header.
         unit_vector: columns that together have the length 1 in each row, by which such a table is
             known.
@@ -81,6 +85,9 @@ class TableOf(_Part):
     file: str = ""
     head: str = ""
     columns: tuple[str, ...] = ()
+    closed: bool = False
+    rows: str = ""
+    missing: tuple[str, ...] = ()
     unnamed: tuple[str, ...] = ()
     unit_vector: tuple[str, ...] = ()
     time: str = ""
@@ -162,18 +169,21 @@ def sources() -> Mapping[str, Source]:
     }
 
 
-def find(file: str, above: Sequence[str], names: Sequence[tuple[str, str]]) -> Found | None:
+def find(
+    file: str, above: Sequence[str], names: Sequence[tuple[str, str]], word: str = ""
+) -> Found | None:
     """The first table of a source that fits to a log.
 
     Args:
         file: its name.
         above: lines above its header.
         names: of its columns, with the units that the log itself says.
+        word: that stands in each of its rows, empty for the most.
     """
     text = "\n".join(above)
     for source in sources().values():
         for table in source.tables:
-            if _fits(table, file, text, [name for name, _ in names]):
+            if table.rows == word and _fits(table, file, text, [name for name, _ in names]):
                 return _found(source.title, table, text, names)
     return None
 
@@ -199,20 +209,29 @@ def robot(joints: Collection[str]) -> Robot | None:
     return next((robot for robot in known if {*robot.known_by} <= {*joints}), None)
 
 
-def name(rows: Sequence[Sequence[float]]) -> tuple[str, ...]:
+def words() -> frozenset[str]:
+    """What the rows of tables begin with that are known by it."""
+    return frozenset(table.rows for source in sources().values() for table in source.tables) - {""}
+
+
+def name(rows: Sequence[Sequence[float]], word: str = "") -> tuple[str, ...]:
     """Names of the columns of a table without a header, where its numbers tell whose it is.
 
     Args:
         rows: the first ones.
+        word: that stands in each of them.
     """
     tables = [table for source in sources().values() for table in source.tables if table.unnamed]
-    fitting = (t for t in tables if len(rows) >= _MIN_ROWS and all(_unit(t, row) for row in rows))
+    fitting = (
+        t for t in tables
+        if t.rows == word and len(rows) >= _MIN_ROWS and all(_unit(t, row) for row in rows)
+    )  # fmt: skip
     return next((table.unnamed for table in fitting), ())
 
 
 def _unit(table: TableOf, row: Sequence[float]) -> bool:
-    if len(row) != len(table.unnamed):
-        return False
+    if len(row) != len(table.unnamed) or not table.unit_vector:
+        return len(row) == len(table.unnamed) and bool(table.rows)
     values = dict(zip(table.unnamed, row, strict=True))
     return abs(math.hypot(*(values[part] for part in table.unit_vector)) - 1) < _ROUNDED
 
@@ -224,6 +243,7 @@ def _fits(table: TableOf, file: str, text: str, names: Sequence[str]) -> bool:
         and bool(re.search(table.file, file, re.IGNORECASE))
         and bool(re.search(table.head, text))
         and all(any(re.fullmatch(wanted, name) for name in names) for wanted in table.columns)
+        and not (table.closed and any(_quantity(table, name) is None for name in names))
     )
 
 

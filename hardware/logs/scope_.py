@@ -193,12 +193,21 @@ def _keyed(label: str, lines: Sequence[str]) -> Plan | None:
     for i, line in enumerate(lines[:60]):
         cells = [cell.strip() for cell in _cell.split(line.lstrip("#"), ",")]
         key = cells[0].lower() if cells else ""
-        if keys >= 3 and re.fullmatch(r"time|second|time ?\(s\)", key) and len(cells) > 1:
+        if keys >= 3 and key == "waveform data":  # of GW Instek, without names
+            return _after_keys(label, lines, i, ["time", _source_named(lines[:i])])
+        named = re.fullmatch(r"time|second|time ?\(s\)", key) and ":" not in "".join(cells)
+        if keys >= 3 and named and len(cells) > 1:
             return _after_keys(label, lines, i, [cell for cell in cells if cell])
         keys += bool(_KEYS.fullmatch(key))
         if i > 2 and not keys:
             return None
     return None
+
+
+def _source_named(lines: Sequence[str]) -> str:
+    """The channel that lines ``Source,CH1`` name."""
+    said = (_padded(_cell.split(line, ","), 2) for line in lines)
+    return next((cells[1].strip() for cells in said if cells[0].lower() == "source"), "") or "CH1"
 
 
 def _after_keys(label: str, lines: Sequence[str], header: int, cells: Sequence[str]) -> Plan:

@@ -31,6 +31,7 @@ _BRACKETS = re.compile(r"(.*?)\s*[(\[{<]\s*(?:in )?((?:[^()\[\]{}<>]|\([^()]*\))
 #: what says that there is no unit
 _NO_UNIT = re.compile(r"(.*?)\s*(?:\[\s*([1–-]?)\s*\]|\(\s*([1–-]?)\s*\)|\{\s*(1?)\s*\})")
 _SLASH = re.compile(r"(.*?)(?:\s+/\s+|\s+in\s+|,\s+)(\S+)")
+_OVER = re.compile(r"([^/]*\w)/(\w+)")
 #: quantity over unit, as German standards write it: t/s, v/(m/s)
 _DIN = re.compile(
     r"([A-Za-zΑ-ω](?:\w?|_\w+)|alpha|beta|gamma|phi|theta|omega)/(\([^()]+\)|[^/()\s]+)"
@@ -39,6 +40,8 @@ _DIN = re.compile(
 _WORD_OVER = re.compile(r"([A-Za-zΑ-ω][\w ]+)/([^/()\s\d]{2,}(?:/[^/()\s]+)?)")
 #: a unit before the end of a name, where no word can be meant: acc (m/s²) x
 _WITHIN = re.compile(r"(.*?)\s*[(\[]\s*([^()\[\]]*[/°²^][^()\[\]]*)\s*[)\]]\s*(.+)")
+#: how sure the numbers are, behind their unit: Time (s) (± 0.01 s)
+_UNCERTAIN = re.compile(r"(?<=[)\]])\s*[(\[]\s*(?:±|\+/?-)\s*[\d.][^()\[\]]*[)\]]$")
 _ONE_LETTER = re.compile(r"(.*?)\s*[(\[{<]\s*(\w)\s*[)\]}>]")
 _SLASHED = re.compile(r"(.+)_([A-Za-z°µμ]+/[A-Za-z0-9^²*]+)")
 #: units that stand at the end of names, beside those of SI
@@ -56,7 +59,7 @@ _SUFFIXED = re.compile(rf"(.+(?<!_per))_({'|'.join(sorted(_SUFFIXES, key=len, re
 
 
 #: what remarks begin with
-COMMENTS = ("#", "%", "//", "!")
+COMMENTS = ("#", "%", "//", "!", "=~=~")
 _NMEA = re.compile(r"\$[A-Z]{2,3}[A-Z\d]{3},")
 _LIST = re.compile(r"[\[(]\s*[-+.\deE,;\s]*[\])]")
 
@@ -156,14 +159,15 @@ def is_unit(text: str) -> bool:
 
 def heading(text: str) -> tuple[str, str]:
     """Name and unit of a column: ``acc (m/s^2)``, ``acc [g]``, ``t / s``, ``U/V``, ``t_ms``."""
-    text = " ".join(text.split())
+    text = _UNCERTAIN.sub("", " ".join(text.split()))
     run, name = clocks.of_run(text)
     if run and text.endswith(run):  # Time (s) Run #2
         stem, unit = heading(name)
         return (f"{stem} {run}", unit) if unit else (text, "")
-    match = _BRACKETS.fullmatch(text)
-    if match and clocks.may_be_time(match[1]) and clocks.spelled(match[2]):
-        return match[1].strip(), clocks.spelled(match[2])
+    for pattern in (_BRACKETS, _OVER):
+        match = pattern.fullmatch(text)
+        if match and clocks.may_be_time(match[1]) and clocks.spelled(match[2]):
+            return match[1].strip(), clocks.spelled(match[2])
     for pattern in (_BRACKETS, _NO_UNIT, _SLASH, _SLASHED):
         match = pattern.fullmatch(text)
         if match and match[1] and (pattern is _NO_UNIT or is_unit(match[2])):

@@ -2,6 +2,7 @@
 
     09:41:07.020 -> 0.1,9.8                  [09:41:07.020] 0.1,9.8
     Thrust: 0.03lbs, Torque: 0.12            ax=0.1 ay=0.2
+    [1530815 ms] ypr: -7.4 -1.2 3.8          0.01s, 1.2m, 3 m/s
 
 A line becomes one of a table with tabs, and stays at its place, so that faults name the right line.
 """
@@ -12,6 +13,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 
+from simcompare.hardware.logs.text import clocks
 from simcompare.hardware.logs.text import source as _source
 
 #: name of the column that the stamps of a console make
@@ -33,9 +35,17 @@ _LABELLED = re.compile(
 _WHOSE = re.compile(r"\s*[^\W\d][\w ]{0,20}:\s+(?=[^\W\d])")
 
 
+#: a stamp in brackets with its unit, and whose values follow
+_COUNTED = re.compile(r"\s*\[\s*(\d+(?:\.\d+)?)\s?(ns|us|µs|ms|s)\s*\]\s*(?:[^\W\d]\w*:)?\s*(.*)")
+_UNITED = re.compile(rf"\s*(?P<value>{_NUMBER})\s?(?P<unit>[^\W\d_][\w/²°^*·-]{{0,9}}|°\w?|%)?\s*")
+
+
 def unrolled(source: _source.Source) -> _source.Source:
     """The same text as a table, where a console wrote it; else as it is."""
     lines = [line for line in source.head[:_LOOKED_AT] if line.strip()]
+    for told in (_counted(lines), _united(lines)):
+        if told:
+            return source.rewritten(*told)
     stamped = _mostly([_STAMPED.fullmatch(line) is not None for line in lines])
     rests = [_rest(line) for line in lines] if stamped else lines
     names = _labels(rests)
@@ -43,6 +53,49 @@ def unrolled(source: _source.Source) -> _source.Source:
         labels = [*([(STAMP, "")] if stamped else []), *names]
         return source.rewritten(_of_labels([n for n, _ in names], stamped=stamped), labels)
     return source.rewritten(_of_stamps(_separator(rests))) if stamped else source
+
+
+def _counted(lines: Sequence[str]) -> tuple[Callable[[str], str], list[tuple[str, str]]] | None:
+    """How lines with a stamp ``[1530815 ms]`` become rows, and names and units of their cells."""
+    found = [match for match in map(_COUNTED.fullmatch, lines) if match]
+    units = {match[2] for match in found}
+    if len(units) != 1 or not _mostly([_COUNTED.fullmatch(line) is not None for line in lines]):
+        return None
+    separator = _separator([match[3] for match in found])
+
+    def cells(text: str) -> list[str]:
+        return text.split() if separator == " " else text.split(separator)
+
+    def rewrite(line: str) -> str:
+        match = _COUNTED.fullmatch(line)
+        return "\t".join([match[1], *cells(match[3])]) if match else line
+
+    width = Counter(len(cells(match[3])) for match in found).most_common(1)[0][0]
+    return rewrite, [("time", units.pop()), *((f"value {k + 1}", "") for k in range(width))]
+
+
+def _united(lines: Sequence[str]) -> tuple[Callable[[str], str], list[tuple[str, str]]] | None:
+    """The same for rows whose cells carry units, ``0.01s, 1.2m``; one of them has to be a time."""
+    separator = max(",;\t|", key=lambda one: sum(one in line for line in lines))
+
+    def cells(line: str) -> list[re.Match[str]]:
+        found = [_UNITED.fullmatch(cell) for cell in line.rstrip(separator).split(separator)]
+        return [match for match in found if match] if all(found) and len(found) > 1 else []
+
+    kinds = Counter(tuple(m["unit"] or "" for m in cells(line)) for line in lines)
+    units, count = kinds.most_common(1)[0] if kinds else ((), 0)
+    if count < _SHARE * len(lines) or count < 2 or not any(map(clocks.spelled, units)):
+        return None
+    head = [name.strip() for name in lines[0].split(separator)]
+    named = len(head) == len(units) and not cells(lines[0])
+    names = head if named else [f"column_{k + 1}" for k in range(len(units))]
+
+    def rewrite(line: str) -> str:
+        found = cells(line)
+        right = tuple(m["unit"] or "" for m in found) == units
+        return "\t".join(m["value"] for m in found) if right else line
+
+    return rewrite, list(zip(names, units, strict=True))
 
 
 def _mostly(fits: Sequence[bool]) -> bool:

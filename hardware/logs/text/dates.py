@@ -34,6 +34,7 @@ _REWRITTEN: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (re.compile(r"(\d{4})(\d\d)(\d\d)[T _-](\d\d)(\d\d)(\d\d)(?!\d)"),
      lambda m: f"{m[1]}-{m[2]}-{m[3]}T{m[4]}:{m[5]}:{m[6]}"),
     (re.compile(r"(\d{4}-\d\d-\d\d)[._-](?=\d\d:)"), lambda m: f"{m[1]} "),
+    (re.compile(r"(\d{4})/(\d\d)/(\d\d)/(?=\d\d:)"), lambda m: f"{m[1]}-{m[2]}-{m[3]} "),
     (re.compile(rf"(?:\w{{3}},? )?(\d{{1,2}})[ .-]+{_MONTH}[ ,-]+(\d{{4}})", re.IGNORECASE),
      lambda m: f"{m[3]}-{_MONTHS[m[2].lower()]:02d}-{int(m[1]):02d}"),
     (re.compile(rf"{_MONTH} (\d{{1,2}}),? (\d{{4}})", re.IGNORECASE),

@@ -14,6 +14,8 @@ from simcompare.hardware.logs.text.source import Source
 
 #: lines above the rows that are looked at
 _LOOKED_AT = 50
+#: names of a last column that most rows leave out
+_REMARKS = ("comment", "comments", "remark", "remarks")
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ def find(
     every = [i for i in range(first - 1, -1, -1) if lines[i].strip()][:_LOOKED_AT]
     cells = {i: _cells(lines[i], separator, width) for i in every}
     # a remark is passed over unless it is the header itself
-    near = [i for i in cells if not is_comment(lines[i]) or len(cells[i]) == width > 1][:2]
+    near = [i for i in cells if not is_comment(lines[i]) or len(cells[i]) == width > 1]
+    near = [i for i in near if not _is_dated(cells[i], kinds)][:2]
     if not near:
         return Header()
     wanted = (width, width - (kinds[-1] == "empty"))
@@ -81,13 +84,25 @@ def _other_width(
     if len(names) == width - 1 and _counts([row[0] for row in rows]):
         return Header(None, ["index", *names])
     dated = [k for k, kind in enumerate(kinds) if kind == "date" and k < len(names)]
-    if len(names) == width + 1 and dated and all(clocks.is_time(names[k]) for k in dated):
+    noted = names[-1].strip().lower() in _REMARKS  # LabVIEW names it, whether it holds any or not
+    if len(names) == width + 1 and (noted or (dated and _all_times(names, dated))):
         return Header(None, names, more=1)
+    if names[0].strip()[:1] in tuple("+-.0123456789"):  # a console was opened within a row
+        return Header()
     cure = "give every column one name"
     if separator == "," and width == 2 * len(names):
         cure = "the comma seems to be the decimal mark too; export again with another separator"
     text = f"the header (line {at}) has {len(names)} cells but the rows below have"
     raise InputError(label, [f"{text} {width}; {cure}"])
+
+
+def _is_dated(cells: Sequence[str], kinds: Sequence[str]) -> bool:
+    """Whether a line begins as the rows do, with a date: words behind a stamp name nothing."""
+    return kinds[0] == "date" and bool(cells) and kind_of(cells[0]) == "date"
+
+
+def _all_times(names: Sequence[str], places: Sequence[int]) -> bool:
+    return all(clocks.is_time(names[k]) for k in places)
 
 
 def _counts(cells: Sequence[str]) -> bool:

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from simcompare.hardware.logs import profiles
 from simcompare.hardware.logs.text import cell as _cell
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.source import Part, Source, named
@@ -29,7 +30,7 @@ _FIRST = re.compile(rf"\s*(?P<stamp>){_WORD}")
 _SECOND = re.compile(rf"(?P<stamp>\s*[\d.]+\s*(?:[,;|\t]\s*|\s+)){_WORD}")
 #: names of columns that tell kinds of rows apart
 _TOLD_BY = re.compile(r"(?:sensor|msg|message|record|row|data|packet)?[ _]?(?:type|kind|id|name)|"
-                      r"sensor|message|msg|topic|device", re.IGNORECASE)  # fmt: skip
+                      r"sensor|message|msg|topic|device|attribute", re.IGNORECASE)  # fmt: skip
 #: first words that are no kinds
 _NONE = re.compile(r"(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun|Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov"
                    r"|Dec|nan|inf|true|false|FMT)[a-z]*", re.IGNORECASE)  # fmt: skip
@@ -50,7 +51,8 @@ def of(source: Source) -> list[Part]:
     lines = [line for line in source.head[:_LOOKED_AT] if line.strip()]
     for place in (_FIRST, _SECOND):
         usual = _usual(Counter(_kind(line, place) for line in lines))
-        header = _shared_header(lines, usual, place) if len(usual) > 1 else None
+        several = len(usual) > 1 or profiles.words() & {*usual}
+        header = _shared_header(lines, usual, place) if several else None
         if header is not None:
             return _parts(source, place, header)
     return []
@@ -129,7 +131,7 @@ def _part(
     head = [""] * (max(lines) - first + 1)
     for at, text in lines.items():
         head[at - first] = text
-    whole = replace(source, head=tuple(head), first=first, complete=False)
+    whole = replace(source, head=tuple(head), first=first, complete=False, word=kind)
     formats = [text for text in source.head if _formatted(text, kind)]
     if formats:  # names above the rows
         whole = replace(whole, head=(formats[0], *head), first=first - 1)

@@ -45,6 +45,20 @@ def marks(
     return ".", "", bool(counts["."])
 
 
+def without_commas(body: Sequence[tuple[int, Sequence[str]]], kinds: Sequence[str]) -> list[str]:
+    """The kinds of a table that commas separate: beside decimal points, "20,04" is a text."""
+    by_column: list[set[str]] = [
+        {mark_of(row[k]) for _, row in body} if kind == "number" else set()
+        for k, kind in enumerate(kinds)
+    ]
+    if not any("." in found for found in by_column):
+        return [*kinds]
+    return [
+        "text" if {"?", ","} & found and "." not in found and ".," not in found else kind
+        for kind, found in zip(kinds, by_column, strict=True)
+    ]
+
+
 def doubt(line: int, name: str, cell: str) -> str:
     """What to say of a number that may be two."""
     plain = cell.strip().replace(",", "")

@@ -14,7 +14,7 @@ from simcompare.hardware.logs.text import headers
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.cell import is_comment, kind_of, split
 from simcompare.hardware.logs.text.dates import DateStyle, style_of
-from simcompare.hardware.logs.text.marks import marks
+from simcompare.hardware.logs.text.marks import marks, without_commas
 
 #: separators that are tried, the surest first; a blank stands for any run of them
 SEPARATORS = "\t;|, "
@@ -97,6 +97,8 @@ def sniff(source: _source.Source, keep: Collection[str] = ()) -> Layout:
     header = headers.find(source, lines, first, separator, kinds, [row for _, row in body])
     names = _cell.headings((header.names + [""] * width)[: width + header.more], header.units, keep)
     top = first if header.line is None else header.line
+    if separator == ",":
+        kinds = without_commas(body, kinds)
     decimal, thousands, decided = marks(source.label, body, kinds, names)
     styles = {k: s for k in range(width) if kinds[k] == "date"
               for s in [style_of([row[k] for _, row in body])] if s}  # fmt: skip
@@ -203,8 +205,13 @@ def _with_bad_rows_above(
     """The first row, where rows with a fault stand above the first that has none."""
     for i in reversed([i for i in rows if i < first]):
         known = [k for k, kind in enumerate(kinds) if kind in ("number", "date", "list")]
-        numbers = sum(k < len(cells[i]) and kind_of(cells[i][k]) == kinds[k] for k in known)
-        if not numbers or (len(cells[i]) < 2 < len(kinds)) or numbers < len(known) / 2:
+        right = [k for k in known if k < len(cells[i]) and kind_of(cells[i][k]) == kinds[k]]
+        numbers = len(right)
+        if (
+            all(kinds[k] == "date" for k in right)
+            or (len(cells[i]) < 2 < len(kinds))
+            or numbers < len(known) / 2
+        ):
             return first
         first = i
     return first

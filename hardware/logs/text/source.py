@@ -42,6 +42,7 @@ class Source:
         labels: names and units of the columns that stood beside the values.
         first: number of the first line of the head; a part of a file may begin later.
         last: number of its last line, 0 for that of the file.
+        word: that stands in each row of a part, and was taken out.
     """
 
     label: str
@@ -56,6 +57,7 @@ class Source:
     labels: tuple[tuple[str, str], ...] = ()
     first: int = 1
     last: int = 0
+    word: str = ""
 
     def head_from(self, line: int) -> tuple[str, ...]:
         """Lines of the head from one on, which is counted in the file."""

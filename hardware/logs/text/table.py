@@ -34,7 +34,7 @@ _LONG, _RAGGED, _REMARK = -3, -2, -1
 #: those that are passed over where they are few, and what that is called
 _PASSED_OVER = {_RAGGED: "ragged_row", _REMARK: "remark_line"}
 #: lines among the rows that are few
-_FEW = 0.05
+_FEW = 0.1
 #: what is no row or number: its line, its column (below 0 for a whole line), the cell or the fault
 _Odd = tuple[int, int, str]
 
@@ -45,6 +45,7 @@ def read(
     *,
     joined: bool = False,
     spare: Collection[str] | None = None,
+    missing: Collection[str] = (),
 ) -> Table:
     """Reads all rows.
 
@@ -54,11 +55,13 @@ def read(
         joined: whether a column of dates goes with one of times of day, which then do not wrap.
         spare: columns that nobody asks for; one that holds a fault is left out, as is any that
             holds nothing but remarks. ``None`` where every column has its place.
+        missing: what stands in cells where nothing was measured, beside what does everywhere.
 
     Raises:
         InputError: rows that cannot be read (20 of them by name), or none at all.
     """
     reader = _Reader(source, layout, joined, spare)
+    reader.values.missing = frozenset(missing)
     return reader.table()
 
 

@@ -31,6 +31,7 @@ class Values:
 
     def __init__(self, layout: Layout, state: State, joined: bool) -> None:
         self.layout, self.state, self.joined = layout, state, joined
+        self.missing: frozenset[str] = frozenset()
         self._used = [k for k, kind in enumerate(layout.kinds) if kind not in ("text", "empty")]
 
     def decide(self, rows: list[list[str]]) -> None:
@@ -45,6 +46,8 @@ class Values:
     def column(self, k: int, cells: Sequence[str], numbers: list[int]) -> Array | None:
         """The values of some cells of a column, ``None`` where one is odd."""
         kind = self.layout.kinds[k]
+        if self.missing:
+            cells = ["" if cell.strip() in self.missing else cell for cell in cells]
         if kind == "number":
             return _cell.numbers(cells, self.layout.decimal, self.layout.thousands)
         if kind == "integer":
