@@ -147,7 +147,7 @@ def test_columns_of_different_lengths_are_refused(faults):
 
 
 def test_two_times_are_refused_until_a_mapping_says_which(faults, save):
-    tree = [{"time": i, "stamp": i, "x": 1} for i in range(3)]
+    tree = [{"time": i, "stamp": i * i, "x": 1} for i in range(3)]
     assert "columns 'time' and 'stamp' may all be the time" in faults(tree)[0]
     wishes = mapping.of_tree({"time": {"column": "stamp", "unit": "s"}}, "map")
     assert read(save(tree), wishes).streams[0].time == "stamp"
@@ -175,3 +175,19 @@ def test_real_servo_logs_are_read_with_what_they_say_of_themselves():
     assert (len(stream), stream.time) == (1510, "timestamp")
     assert (found.about["mass"], found.about["trajectory"]) == ("0.49", "lift_and_drop")
     assert stream.column("timestamp").values[0] == 0.003571152687072754
+
+
+def test_records_are_read_as_any_table(save):
+    tree = [{"time": i, "stamp": 1e3 * i, "note": "#" if i else "", "x": i} for i in range(9)]
+    found = read(save(tree))
+    assert (found.streams[0].time, [*found.ignored]) == ("time", ["note"])
+    assert any("tells the same time" in repair.text for repair in found.repairs)
+    anew = [{"t": 0.1 * (i % 20), "x": i} for i in range(60)]
+    assert [len(stream) for stream in read(save(anew)).streams] == [20, 20, 20]
+
+
+@pytest.mark.parametrize("text", ["# off", '"', "rst:0x1", "$GPGGA,1", "! x"])
+def test_no_record_is_passed_over_for_the_text_in_it(faults, text):
+    tree = [{"x": 1.0 * i, "t": i} for i in range(6)]
+    tree[3]["x"] = text
+    assert faults(tree)[0].startswith("record 4, 'x': ")

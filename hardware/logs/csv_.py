@@ -125,6 +125,11 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
         layout = replace(layout, names=_cell.labelled(source.labels), header="labels")
     if not layout.header:
         layout = _named_by_numbers(source, layout)
+    return of_layout(source, layout, mapping)
+
+
+def of_layout(source: _source.Source, layout: Layout, mapping: Mapping) -> RawLog:
+    """The same where the layout is known."""
     names = [name for name, _ in layout.names]
     found = profiles.find(Path(source.label).name, layout.preamble, layout.names, source.word)
     layout = replace(layout, names=found.names) if found else layout

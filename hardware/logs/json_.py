@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from simcompare.errors import InputError
-from simcompare.hardware.logs import profiles
 from simcompare.hardware.logs.text import records as _records
 from simcompare.hardware.logs.text import source as _source
 from simcompare.hardware.logs.text.state import Faults
@@ -48,7 +47,6 @@ def read(path: Path, mapping: Mapping) -> RawLog:
         lines = _Lines(source)
         _records.add(log, str(path), "log", "line", lines.records, mapping)
         log.streams[0].truncated = lines.truncated
-        profiles.settle(log, path.name)
         return log
     with source.open() as file:
         text = file.read()[source.skip :].decode(source.encoding, errors="replace")
@@ -66,7 +64,6 @@ def read(path: Path, mapping: Mapping) -> RawLog:
         called = name if len(tables) > 1 and name else "log"
         _records.add(log, str(path), called, "record", records, mapping)
     log.streams[-1].truncated = truncated
-    profiles.settle(log, path.name)
     return log
 
 

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import json
+import re
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from pathlib import Path
+from typing import IO, Any
 
 from simcompare.errors import InputError
-from simcompare.hardware import proposed_time
+from simcompare.hardware.logs import csv_
 from simcompare.hardware.logs.text import cell as _cell
-from simcompare.hardware.logs.text import clocks
+from simcompare.hardware.logs.text import clocks, console
 from simcompare.hardware.logs.text import dates as _dates
-from simcompare.hardware.logs.text.state import Faults
+from simcompare.hardware.logs.text import source as _source
+from simcompare.hardware.logs.text.dates import DateStyle
+from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.mapping import Mapping
-from simcompare.hardware.raw import RawColumn, RawLog, RawStream, Spool
-from simcompare.model.recording import INFO, Clock, Repair
-from simcompare.model.trajectory import Array
+from simcompare.hardware.raw import RawLog
+from simcompare.model.recording import INFO, Repair
 
-_BLOCK = 20_000
-#: whole numbers from here on are rounded by a float
-_EXACT = 1 << 53
-
+#: in the place of the line of names, which is read already
+_HEADER = "the names of the records"
+#: texts that a reader of tables would pass over
+_NO_ROW = (*_cell.COMMENTS, "$")
 #: numbered records of one table: the number is its line, or counts from 1
 Records = Callable[[], Iterable[tuple[int, Any]]]
 
@@ -35,7 +37,7 @@ class _Seen:
     numbers: int = 0
     texts: int = 0
     example: str = ""
-    largest: int = 0
+    style: DateStyle | None = None
 
 
 def _flat(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:  # noqa: ANN401
@@ -51,7 +53,7 @@ def _flat(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:  # noqa: ANN
 
 
 def add(log: RawLog, where: str, name: str, word: str, records: Records, mapping: Mapping) -> None:
-    """Adds a table as a stream: first the names and what stands under them, then the numbers."""
+    """Adds a table as a stream: first the names and what stands under them, then the rows."""
     contents: dict[str, _Seen] = {}
     count = 0
     for _, record in records():
@@ -60,139 +62,88 @@ def add(log: RawLog, where: str, name: str, word: str, records: Records, mapping
             _notice(contents.setdefault(key, _Seen()), value)
     if not count:
         raise InputError(where, [f"{name}: holds no records"])
-    kept = [key for key, content in contents.items() if content.numbers >= max(content.texts, 1)]
-    dates = {k for k, s in contents.items() if s.texts and not s.numbers and _is_date(k, s)}
-    for key, content in contents.items():
-        if key not in kept and key not in dates:
-            text = f"holds text such as {content.example!r}" if content.texts else "is empty"
-            log.ignored[key] = text
+    kept = [k for k, seen in contents.items() if seen.numbers >= max(seen.texts, 1)]
     if not kept:
         raise InputError(where, [f"{name}: no record holds a number"])
-    time = _time_of(where, [*kept, *sorted(dates)], mapping)
-    origin = 0
-    if time is not None and time in kept and contents[time].largest > _EXACT:
-        origin = next(v for _, r in records() for k, v in _flat(r) if k == time)
-    table = _Filled(where, kept, sorted(dates), word, {time: origin} if origin else {})
+    words = [key for key, seen in contents.items() if seen.texts and not seen.numbers]
+    kept += [key for key in words if _dated(key, contents[key])]
+    for key in [key for key in contents if key not in kept]:
+        seen = contents[key]
+        log.ignored[key] = f"holds text such as {seen.example!r}" if seen.texts else "is empty"
+    styles = {i: s for i, k in enumerate(kept) if (s := contents[k].style)}
+    kinds = tuple("date" if i in styles else "number" for i in range(len(kept)))
+    names = _cell.headings(kept, keep=_cell.wanted_names(mapping))
+    layout = Layout("\t", 1, kinds, tuple(names), header=_HEADER, styles=styles)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "rows"
+        with path.open("wb") as file:
+            lacking = _write(file, records, kept)
+        _take(log, where, name, word, path, layout, mapping)
+    if lacking:
+        text = f"{lacking} {word}s lack a value that others have; it is missing there"
+        log.repairs.append(Repair("missing_keys", INFO, text, name))
+
+
+def _take(
+    log: RawLog, where: str, name: str, word: str, path: Path, layout: Layout,
+    mapping: Mapping,
+) -> None:  # fmt: skip
+    """Reads the rows as those of any table."""
+    try:
+        one = csv_.of_layout(_source.opened(where, lambda: path.open("rb")), layout, mapping)
+    except InputError as error:
+        faults = [_told(fault, word) for fault in error.faults]
+        raise InputError(error.where, faults) from None
+    for stream in one.streams:
+        stream.name = f"{name}_{stream.name}" if len(one.streams) > 1 else name
+        stream.row_word = word
+    log.streams += one.streams
+    log.repairs += [r for r in one.repairs if r.rule != "blank_line"]
+    log.ignored |= one.ignored
+
+
+def _told(fault: str, word: str) -> str:
+    """A fault of a line of the table as one of a record, which has no cells to be emptied."""
+    return re.sub(r"^line (\d+), column ", rf"{word} \1, ", fault).partition("; where nothing")[0]
+
+
+def _write(file: IO[bytes], records: Records, kept: list[str]) -> int:
+    """Writes a line for each record, at its number, and counts those that lack a value."""
+    lacking, at = 0, 1
+    place = {key: i for i, key in enumerate(kept)}
     for number, record in records():
-        table.row(number, record)
-    columns, rows = table.columns(log, name, _cell.wanted_names(mapping))
-    called = None if time is None else columns[table.place[time]].name
-    stream = RawStream(name, columns, called, row_word=word, rows=rows)
-    stream.clock = Clock(f"column {time}" if time else "no clock", table.start(time, origin, log))
-    log.streams.append(stream)
+        cells = ["nan"] * len(kept)
+        found = [(key, value) for key, value in _flat(record) if key in place]
+        for key, value in found:
+            cells[place[key]] = _text(value)
+        lacking += len(found) < len(kept)
+        line = "\n" * (number - at) + "\t".join(cells) + "\n"
+        file.write(line.encode(errors="replace"))
+        at = number + 1
+    return lacking
+
+
+def _text(value: Any) -> str:  # noqa: ANN401
+    """A plain value as a cell, which no reader passes over."""
+    if value is None:
+        return "nan"
+    if isinstance(value, str):
+        text = " ".join(value.split()).replace('"', "'")
+        odd = text.startswith(_NO_ROW) or console.BOOT.match(text)
+        return json.dumps(text) if odd else text or "nan"
+    return str(int(value)) if isinstance(value, bool) else repr(value)
 
 
 def _notice(content: _Seen, value: Any) -> None:  # noqa: ANN401
-    if isinstance(value, bool | float):
+    if isinstance(value, bool | float | int):
         content.numbers += 1
-    elif isinstance(value, int):
-        content.numbers += 1
-        content.largest = max(content.largest, abs(value))
     elif isinstance(value, str):
         content.texts += 1
         content.example = content.example or value[:40]
 
 
-def _is_date(name: str, content: _Seen) -> bool:
-    return (
-        clocks.is_time(name.rpartition(".")[2]) and _dates.style_of([content.example]) is not None
-    )
-
-
-def _time_of(where: str, names: list[str], mapping: Mapping) -> str | None:
-    short = {name: _cell.heading(name)[0] for name in names}
-    if mapping.time is not None:
-        wanted = {*mapping.time.columns}
-        return next((n for n in names if wanted & {n, short[n]}), None)
-    times = [name for name in names if clocks.is_time(short[name].rpartition(".")[2])]
-    if len(times) > 1:
-        raise InputError(where, [proposed_time.several([RawColumn(n, np.empty(0)) for n in times])])
-    return times[0] if times else None
-
-
-class _Filled:
-    """Records as rows of numbers, in blocks."""
-
-    def __init__(
-        self, where: str, kept: list[str], dates: list[str], word: str, origins: dict[Any, int]
-    ) -> None:
-        self.kept, self.dates, self.word, self.origins = kept, dates, word, origins
-        self.place = {key: i for i, key in enumerate([*kept, *dates])}
-        self.faults = Faults(where)
-        self.spool = Spool(len(self.place))
-        self.first: dict[str, int] = {}
-        self.waiting: list[Array] = []
-        self.numbers: list[int] = []
-        self.missing = 0
-
-    def row(self, number: int, record: Any) -> None:  # noqa: ANN401
-        values = np.full(len(self.place), np.nan)
-        count = 0
-        for key, value in _flat(record):
-            place = self.place.get(key)
-            if place is None or value is None:
-                count += place is not None
-                continue
-            count += 1
-            made = self._value(key, value)
-            if made is None:
-                wanted = "a date" if key in self.dates else "a number"
-                self.faults.add(f"{self.word} {number}, {key!r}: {value!r:.60} is not {wanted}")
-            else:
-                values[place] = made
-        self.missing += count < len(self.place)
-        self.waiting.append(values)
-        self.numbers.append(number)
-        if len(self.waiting) >= _BLOCK:
-            self._flush()
-
-    def _value(self, key: str, value: Any) -> float | None:  # noqa: ANN401
-        if key in self.dates:
-            style = _dates.style_of([value]) if isinstance(value, str) else None
-            stamp = _dates.nanoseconds([value], style) if style is not None else None
-            if stamp is None:
-                return None
-            return (int(stamp[0]) - self.first.setdefault(key, int(stamp[0]))) / 1e9
-        if isinstance(value, str):
-            return None
-        try:
-            return float(value - self.origins.get(key, 0))
-        except OverflowError:
-            return None
-
-    def _flush(self) -> None:
-        if self.waiting:
-            self.spool.append(np.stack(self.waiting))
-        self.waiting = []
-
-    def columns(
-        self, log: RawLog, stream: str, keep: set[str]
-    ) -> tuple[list[RawColumn], NDArray[np.int64] | None]:
-        """The finished columns, and the numbers of the rows where they do not count from 1."""
-        self._flush()
-        self.faults.finish()
-        if self.missing:
-            text = f"{self.missing} {self.word}s lack a value that others have; it is missing there"
-            log.repairs.append(Repair("missing_keys", INFO, text, stream))
-        heads = _cell.headings(list(self.place), keep=keep)
-        columns = [
-            RawColumn(name, values, "s" if key in self.dates else unit)
-            for key, (name, unit), values in zip(
-                self.place, heads, self.spool.columns(), strict=True
-            )
-        ]
-        rows = np.array(self.numbers, dtype=np.int64)
-        plain = len(rows) == 0 or (rows[0] == 1 and rows[-1] == len(rows))
-        return columns, None if plain else rows
-
-    def start(self, time: str | None, origin: int, log: RawLog) -> str:
-        """When the first sample was taken, where the log says."""
-        if time is not None and time in self.first:
-            start = _dates.iso(self.first[time])
-            text = f"dates were read as seconds since {start}"
-            log.repairs.append(Repair("date_text", INFO, text, channel=time))
-            return start
-        if origin:
-            text = f"{origin} was taken away from all stamps, as a float would round them"
-            log.repairs.append(Repair("large_stamps", INFO, text, channel=time or ""))
-        return ""
+def _dated(name: str, content: _Seen) -> bool:
+    """Whether a column holds dates that are the time; how they are written is noted."""
+    if clocks.is_time(name.rpartition(".")[2]):
+        content.style = _dates.style_of([content.example])
+    return content.style is not None
