@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import queue
 import sys
+import threading
 import traceback
 import weakref
 from collections.abc import Mapping
@@ -91,12 +92,15 @@ class _Outside:
     def __init__(self, file: Path, limit_s: float) -> None:
         self._file, self._limit_s = file, limit_s
         self._process: EngineProcess | None = None
+        #: the process answers one call after another, whichever threads they come from
+        self._in_turn = threading.Lock()
 
     def __call__(
         self, parameters: Mapping[str, float], time_s: Array, inputs: Mapping[str, Signal]
     ) -> dict[str, Array]:
         ask = Evaluation(self._file, dict(parameters), np.array(time_s, dtype=float), dict(inputs))
-        reply = self._asked(_Calculation(self._file.name, ask))
+        with self._in_turn:
+            reply = self._asked(_Calculation(self._file.name, ask))
         if reply.value is None:
             raise InputError(str(self._file), [str(reply.reason)])
         return {**reply.value.signals}

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pty
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -187,6 +189,38 @@ def test_a_reference_that_breaks_is_one_sentence_and_may_be_asked_again(stranger
     assert error.value.where == str(source)
     reference._limit_s = 120.0
     assert reference({}, TIMES, {})["a"] == pytest.approx([0.0, 2.0])
+
+
+def test_two_threads_get_each_its_own_numbers(stranger):
+    source = stranger / "reference.py"
+    source.write_text(
+        "def reference(parameters, time_s):\n    return {'a': parameters['a'] * time_s}\n"
+    )
+    reference = outside._Outside(source, 120.0)
+
+    def last(number):
+        return reference({"a": float(number)}, TIMES, {})["a"][1]
+
+    with ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(last, range(100))) == list(range(100))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")
+def test_a_copy_of_this_process_asks_a_process_of_its_own_and_leaves_ours_alone(stranger):
+    source = stranger / "reference.py"
+    source.write_text("import os\ndef reference(parameters, time_s):\n    return {'a': time_s}\n")
+    reference = outside._Outside(source, 120.0)
+    reference({}, TIMES, {})
+    ours = reference._process
+    if (copy := os.fork()) == 0:
+        with contextlib.suppress(BaseException):
+            reference({}, TIMES, {})
+            os._exit(int(reference._process is ours or ours.lives))
+        os._exit(1)
+    assert os.waitpid(copy, 0)[1] == 0
+    assert ours.lives
+    assert reference({}, TIMES, {})["a"] == pytest.approx(TIMES)
+    assert reference._process is ours
 
 
 def answered(stranger: Path, answer: bytes) -> tuple[int, str]:

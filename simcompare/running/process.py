@@ -51,7 +51,7 @@ class EngineProcess:
         self._heard = 0
         self._exit_code: int | None = None
         self._process: subprocess.Popen[bytes] | None = None
-        self._has_ended = False
+        self._has_ended, self._owner = False, os.getpid()
         self._fault = ""
         #: jobs without an answer, each with its number in this process and its index
         self._owed: deque[tuple[int, int, Job | Inquiry[Any]]] = deque()
@@ -59,8 +59,8 @@ class EngineProcess:
 
     @property
     def lives(self) -> bool:
-        """Whether it can be given jobs."""
-        return not self._has_ended
+        """Whether it can be given jobs; a copy of this process cannot, they would be mixed."""
+        return not self._has_ended and self._owner == os.getpid()
 
     def begin(self, jobs: Work, inbox: Inbox, *, is_last: bool) -> None:
         """Gives it jobs, whose outcomes come into the inbox.
@@ -95,8 +95,7 @@ class EngineProcess:
                 start_new_session=True,
             )
         threading.Thread(target=self._listen, daemon=True).start()
-        if hasattr(os, "waitid"):
-            threading.Thread(target=self._watch, args=(self._process.pid,), daemon=True).start()
+        threading.Thread(target=self._watch, args=(self._process,), daemon=True).start()
 
     def _tell(self, jobs: Work, is_last: bool) -> None:
         # if it died at once, the end of its answers says so
@@ -129,17 +128,18 @@ class EngineProcess:
     def _most_bytes(self) -> int:
         return most_bytes(self._owed[0][2]) if self._owed else 0
 
-    def _watch(self, number: int) -> None:
-        """Ends the connection with the process: what it has started may hold it open."""
+    def _watch(self, process: subprocess.Popen[bytes]) -> None:
+        """Ends with the process all that it has started, and the connection that this may hold."""
+        process.wait()
+        self.stop()
         with contextlib.suppress(OSError):
-            os.waitid(os.P_PID, number, os.WEXITED | os.WNOWAIT)
             self._connection.shutdown(socket.SHUT_RD)  # what was sent before can still be read
 
     def stop(self) -> None:
         """Ends the process and everything that it started; only once, its number may be reused."""
-        if self._process is None or self._exit_code is not None:
+        if self._process is None or self._exit_code is not None or self._owner != os.getpid():
             return
-        with contextlib.suppress(ProcessLookupError):  # it and its children are gone
+        with contextlib.suppress(ProcessLookupError, PermissionError):  # all of them are gone
             os.killpg(self._process.pid, signal.SIGKILL)
         self._exit_code = self._process.wait()
 

@@ -6,7 +6,6 @@ All that the engine itself prints, also from C, goes where the runner keeps it.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import pickle
 import queue
@@ -21,6 +20,11 @@ import numpy as np
 from simcompare.running.jobs import Inquiry, Job
 from simcompare.running.messages import sent
 from simcompare.running.wire import Arrays, receive, send
+
+try:
+    import fcntl
+except ImportError:  # Windows has none
+    fcntl = None  # type: ignore[assignment]
 
 #: a descriptor that is not among those that a program opens and closes without a thought
 _OUT_OF_THE_WAY = 200
@@ -49,6 +53,9 @@ def main(descriptor: int) -> None:
 
 def _moved(descriptor: int) -> int:
     """Another descriptor of the same connection, which the engine's own children do not get."""
+    if fcntl is None:
+        os.set_inheritable(descriptor, False)
+        return descriptor
     try:
         moved = fcntl.fcntl(descriptor, fcntl.F_DUPFD_CLOEXEC, _OUT_OF_THE_WAY)
     except OSError:  # so many may not be open here
