@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,22 @@ def test_what_was_answered_is_not_raised_again():
     assert told == ["told"]
     with interruption.held():
         assert not interruption.came()
+
+
+def in_a_thread(function):
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(function).result()
+
+
+def test_what_interrupted_one_run_interrupts_no_later_one_and_none_in_a_thread():
+    heard = []
+    with pytest.raises(KeyboardInterrupt), interruption.held():
+        signal.raise_signal(signal.SIGINT)
+        heard += [interruption.came(), in_a_thread(interruption.came)]
+    signal.signal(signal.SIGINT, lambda *_: None)  # a program's own, which nothing is taken from
+    with interruption.held():
+        heard += [interruption.came(), in_a_thread(interruption.came)]
+    assert heard == [True, False, False, False]
 
 
 def test_a_command_is_interrupted_once():

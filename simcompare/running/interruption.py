@@ -55,11 +55,15 @@ def leave() -> None:
     for number in SIGNALS:
         if signal.getsignal(number) is _take:
             signal.signal(number, signal.SIG_IGN if _now.came else signal.SIG_DFL)
+    _forget()
 
 
 def came() -> bool:
-    """Whether a signal has come: what can be left out now should be."""
-    return _now.came
+    """Whether a signal has come: what can be left out now should be.
+
+    In other threads than the main one it never has: none of them is what was interrupted.
+    """
+    return _now.came and _is_main()
 
 
 def answer() -> None:
@@ -78,7 +82,7 @@ def held(tell: Callable[[], None] = lambda: None) -> Iterator[None]:
     Raises:
         KeyboardInterrupt: at the end of the outermost block.
     """
-    if threading.current_thread() is not threading.main_thread():
+    if not _is_main():
         yield  # signals never come to it
         return
     with nullcontext() if _now.blocks else _ours():
@@ -103,6 +107,11 @@ def _ours() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+        _forget()
+
+
+def _is_main() -> bool:
+    return threading.current_thread() is threading.main_thread()
 
 
 def _take(*_: object) -> None:
