@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -13,6 +14,7 @@ import hypothesis
 import pytest
 
 from simcompare.hardware import confined
+from simcompare.model import whole
 from simcompare.scenarios import trust
 from tests.present import need, skipping_without_its_engine
 
@@ -239,3 +241,16 @@ def command(tmp_path):
         )
 
     return run
+
+
+@pytest.fixture(params=["a disk without locks", "a system without locks"])
+def no_locks(monkeypatch, request):
+    """Files that nobody can lock."""
+    if request.param == "a system without locks":
+        monkeypatch.setattr(whole, "fcntl", None)
+        return
+
+    def refused(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(whole.fcntl, "flock", refused)

@@ -137,9 +137,14 @@ def in_a_thread(function):
 
 def test_what_interrupted_one_run_interrupts_no_later_one_and_none_in_a_thread():
     heard = []
-    with pytest.raises(KeyboardInterrupt), interruption.held():
+
+    @interruption.held()
+    def interrupted():
         signal.raise_signal(signal.SIGINT)
-        heard += [interruption.came(), in_a_thread(interruption.came)]
+        heard.extend([interruption.came(), in_a_thread(interruption.came)])
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     signal.signal(signal.SIGINT, lambda *_: None)  # a program's own, which nothing is taken from
     with interruption.held():
         heard += [interruption.came(), in_a_thread(interruption.came)]

@@ -122,3 +122,23 @@ def test_a_place_that_a_killed_writer_reserved_is_free_again(tmp_path):
     (tmp_path / "other").mkdir()
     assert begun(tmp_path).folder.name == "20260102-030405-ball"
     assert names(tmp_path) == ["20260102-030405-ball", "other"]
+
+
+def test_where_nobody_can_know_whether_it_runs_it_is_neither_gone_on_with_nor_deleted(
+    tmp_path, no_locks, call
+):
+    made, empty = begun(tmp_path, b"first"), begun(tmp_path)
+    with pytest.raises(InputError, match="may still go on: its disk has no locks") as refused:
+        unfinished.opened(made.folder)
+    assert f"cp -r {made.folder} . && simcompare run --resume {made.folder.name}" in str(
+        refused.value
+    )
+    begun(tmp_path).close()
+    assert made.folder.is_dir()
+    assert empty.folder.is_dir()
+    code, out, _ = call("runs", tmp_path, "--clean", "--keep", 0, "--yes")
+    assert code == 0
+    assert "may still run" in out
+    assert f"rm -r {made.folder}" in out
+    assert made.parts() == {"0000.bin": b"first"}
+    assert store.save(ended(synthetic(), early=False), tmp_path, begun=made).folder == made.folder

@@ -138,3 +138,12 @@ def test_a_link_a_pipe_and_a_device_are_no_files_of_ours(tmp_path):
     for name in ("link", "pipe", "zero", "."):
         with pytest.raises(OSError, match="it is no file"), whole.opened(tmp_path / name):
             pass
+
+
+def test_where_nobody_can_know_who_lives_everything_stays(tmp_path, no_locks):
+    (tmp_path / ".simcompare-0123456789abcdef.partial").write_text("a living writer's")
+    with whole.folder(tmp_path / "x") as made:
+        (made / "a").write_text("1")
+        whole.write(tmp_path / "y", b"2")
+    assert names(tmp_path) == [".simcompare-0123456789abcdef.partial", "x", "y"]
+    assert names(tmp_path / "x") == ["a"]

@@ -164,11 +164,17 @@ def _announce(folder: Path, found: list[StoredRun], going: list[StoredRun]) -> N
 
 def _keep(run: StoredRun) -> None:
     """Says why a run stays, and what deletes it all the same."""
-    if run.record is not None:
+    from simcompare.results.stored_runs import RUNNING
+
+    if run.is_running:
+        console.print_wrapped([f"Kept: {run.folder} {RUNNING[True]}"])
+        return
+    if run.others:
         others = ", ".join(run.others)
         console.print_wrapped([f"Kept: {run.folder} holds files that are not ours: {others}"])
         return
-    console.print_wrapped([f"Kept: {run.folder}: its run.json {run.fault}. To delete it yourself:"])
+    fault = RUNNING[None] if run.is_running is None else f"its run.json {run.fault}"
+    console.print_wrapped([f"Kept: {run.folder}: {fault}. To delete it yourself:"])
     typer.echo(f"  rm -r {shlex.quote(str(run.folder))}")
 
 

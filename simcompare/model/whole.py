@@ -2,7 +2,8 @@
 
 What is being written has a hidden name of its own beside its place, and takes the place in one
 step. A writer holds a lock on it for as long as it lives; the next writer in the same folder
-deletes what dead ones have left.
+deletes what dead ones have left. Where a file system has no locks, nobody can know who is dead:
+everything stays.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from pathlib import Path
 
 try:
     import fcntl
-except ImportError:  # Windows has no such locks: what a dead writer left stays there
+except ImportError:  # Windows has no such locks
     fcntl = None  # type: ignore[assignment]
 
 #: the hidden names; nothing in them comes from the place, whose name may be as long as can be
@@ -96,14 +97,15 @@ def opened(path: Path, *, links: bool = False) -> Iterator[BufferedReader]:
         yield file
 
 
-def lock(path: Path, held: contextlib.ExitStack) -> bool:
+def lock(path: Path, held: contextlib.ExitStack) -> bool | None:
     """Takes the lock on a file or folder for as long as ``held`` is open.
 
     Returns:
         Whether it could be taken; it cannot where another process has it, or nothing is there.
+        ``None`` where there are no locks, so that nobody can know.
     """
     if fcntl is None:
-        return True
+        return None
     try:
         handle = os.open(path, os.O_RDONLY)
         held.callback(os.close, handle)
@@ -112,7 +114,7 @@ def lock(path: Path, held: contextlib.ExitStack) -> bool:
     except (BlockingIOError, FileNotFoundError):
         return False
     except OSError:  # this file system has no locks
-        return True
+        return None
 
 
 @contextlib.contextmanager
@@ -124,7 +126,9 @@ def _hidden(place: Path, make: Callable[[Path], None]) -> Iterator[Path]:
             made = place.with_name(f".simcompare-{secrets.token_hex(8)}.partial")
             stack.callback(_remove, made)
             make(made)
-            if lock(made, stack):  # else another writer has just taken it for a dead one's
+            if (
+                lock(made, stack) is not False
+            ):  # else another writer has just taken it for a dead one's
                 break
         yield made
 
@@ -141,7 +145,7 @@ def _not_followed(path: str, flags: int) -> int:
 
 def _sweep(path: Path) -> None:
     with contextlib.ExitStack() as held:
-        if fcntl is not None and lock(path, held):
+        if lock(path, held):
             _remove(path)
 
 

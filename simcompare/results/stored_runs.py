@@ -40,7 +40,7 @@ class StoredRun:
         others: what else lies there, by name.
         size_bytes: of our files.
         is_unfinished: whether it was ended before it had a run.json, or still runs.
-        is_running: whether somebody works on it now.
+        is_running: whether somebody works on it now; ``None`` where its disk cannot tell.
     """
 
     folder: Path
@@ -51,7 +51,7 @@ class StoredRun:
     others: tuple[str, ...]
     size_bytes: int
     is_unfinished: bool = False
-    is_running: bool = False
+    is_running: bool | None = False
 
     def __repr__(self) -> str:
         return f"{self.folder}: {self.fault or self.verdict}"
@@ -80,6 +80,8 @@ class StoredRun:
         return tuple(dict.fromkeys(s.engine or s.name for s in sources if s.ran))
 
 
+#: why a run is left alone, by whether it is worked on
+RUNNING = {True: "still runs", None: "may still run: its disk has no locks that would tell"}
 #: exit code of a run -> what became of it
 _VERDICTS = {1: FAIL, 2: "unsupported", 3: "broken"}
 
@@ -105,7 +107,8 @@ def of(folder: Path) -> list[StoredRun]:
 def left(folder: Path) -> list[Path]:
     """Runs in a folder that were ended before they had a run.json, the oldest first."""
     begun = [place for place in sorted(folder.iterdir()) if unfinished.is_unfinished(place)]
-    return [place for place in begun if not is_run(place) and not unfinished.is_running(place)]
+    ended = [place for place in begun if unfinished.is_running(place) is False]
+    return [place for place in ended if not is_run(place)]
 
 
 def places(folder: Path) -> list[Path]:
@@ -135,7 +138,7 @@ def chosen(
 def can_go(run: StoredRun) -> bool:
     """Whether a run is ours, nothing else lies in its folder, and nobody works on it."""
     is_ours = run.record is not None or run.is_unfinished
-    return is_ours and not run.others and not run.is_running
+    return is_ours and not run.others and run.is_running is False
 
 
 def delete(runs: Iterable[StoredRun]) -> None:
@@ -171,9 +174,9 @@ def _is_begun(folder: Path) -> bool:
 
 def _read(folder: Path) -> StoredRun:
     kept = unfinished.is_unfinished(folder)
-    runs = kept and unfinished.is_running(folder)
+    runs = unfinished.is_running(folder) if kept else False
     record, fault = (None, _ended_early(folder, runs=runs)) if not is_run(folder) else _told(folder)
-    is_ours = not runs and (record is not None or not is_run(folder))  # else files come and go
+    is_ours = runs is False and (record is not None or not is_run(folder))  # else files come and go
     scenario = "" if record is None else record.scenario
     files = tuple(_files(folder, scenario)) if is_ours else ()
     inside = tuple(_inside(folder)) if is_ours else ()
@@ -195,8 +198,8 @@ def _told(folder: Path) -> tuple[Record | None, str]:
         return None, f"{first}, and more" if more else first
 
 
-def _ended_early(folder: Path, *, runs: bool) -> str:
-    return "still runs" if runs else f"was ended early; {unfinished.resuming(folder)}"
+def _ended_early(folder: Path, *, runs: bool | None) -> str:
+    return RUNNING.get(runs) or f"was ended early; {unfinished.resuming(folder)}"
 
 
 def _options(words: Sequence[str]) -> Iterator[str]:

@@ -21,6 +21,7 @@ from simcompare.model import whole
 #: folder in that of a run, in which each part is a file
 PARTS = "unfinished"
 _PART = re.compile(r"[a-z0-9][a-z0-9_-]*\.[a-z0-9]+")
+_GOES_ON = "is the folder of a run that still goes on; wait for its end"
 #: what a new folder is called after
 _STAMP = re.compile(r"\d{8}-\d{6}-.+")
 
@@ -127,7 +128,7 @@ def reserve(folder: Path, created: str, name: str) -> Unfinished:
         place = folder / (f"{stamp}-{name}" if number == 1 else f"{stamp}-{name}-{number}")
         with contextlib.ExitStack() as held, contextlib.suppress(FileExistsError):
             place.mkdir()
-            if whole.lock(place, held):
+            if whole.lock(place, held) is not False:
                 return Unfinished(place, held.pop_all())
     raise AssertionError
 
@@ -136,15 +137,15 @@ def opened(folder: Path) -> Unfinished:
     """The folder of a run that was ended early, to go on with it.
 
     Raises:
-        InputError: it is none, or its maker still runs.
+        InputError: it is none, its maker still runs, or nobody can know whether it does.
     """
     if not is_unfinished(folder):
         raise InputError(str(folder), ["is not the folder of a run that was ended early"])
     held = contextlib.ExitStack()
-    if not whole.lock(folder, held):
+    taken = whole.lock(folder, held)
+    if not taken:
         held.close()
-        fault = "is the folder of a run that still goes on; wait for its end"
-        raise InputError(str(folder), [fault])
+        raise InputError(str(folder), [_GOES_ON if taken is False else _unknown(folder)])
     return Unfinished(folder, held)
 
 
@@ -154,10 +155,11 @@ def is_unfinished(folder: Path) -> bool:
     return not folder.is_symlink() and parts.is_dir() and not parts.is_symlink()
 
 
-def is_running(folder: Path) -> bool:
-    """Whether the maker of an unfinished run still lives."""
+def is_running(folder: Path) -> bool | None:
+    """Whether the maker of an unfinished run still lives; ``None`` where nobody can know."""
     with contextlib.ExitStack() as held:
-        return not whole.lock(folder, held)
+        taken = whole.lock(folder, held)
+        return None if taken is None else not taken
 
 
 def is_part(path: Path) -> bool:
@@ -168,6 +170,14 @@ def is_part(path: Path) -> bool:
 def resuming(folder: Path) -> str:
     """The command that goes on with a run."""
     return shlex.join(["simcompare", "run", "--resume", str(folder)])
+
+
+def _unknown(folder: Path) -> str:
+    words = shlex.join(["cp", "-r", str(folder), "."])
+    return (
+        "may still go on: its disk has no locks that would tell; if it has ended, copy it to"
+        f" another disk and go on there: {words} && {resuming(Path(folder.resolve().name))}"
+    )
 
 
 def _linked(old: str | Path, new: str | Path) -> None:
