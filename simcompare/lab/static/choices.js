@@ -64,11 +64,12 @@ export class Choices {
   get wish() {
     return { scenario: this.scenario.name, engines: this.engines, levels: this.levels, parameters: this.parameters, contact: this.contact };
   }
+  /** Takes values of parameters, such as those of a real ball. */
+  take(values) { this.sliders.filter((one) => one.name in values).forEach((one) => one.put(values[one.name])); }
   /** Puts fitted values into an engine's sliders. */
   takeOver(engine, values) {
     const hand = this.hands.get(engine);
     if (!hand) return;
     hand.sliders.filter((one) => one.name in values).forEach((one) => one.put(values[one.name]));
-    hand.use.checked = true;
   }
 }

@@ -119,7 +119,7 @@ export class Drop {
   }
   tables({ table: values, scores }) {
     const found = [];
-    if (this.recording && scores?.length) found.push(table({ title: words("drop.scores_own"), head: [words("drop.engine"), words("drop.level"), words("drop.score")], rows: scores.map((one) => [one.source, one.level, one.text ?? String(one.chi ?? one.deviation)]) }));
+    if (this.recording && scores?.length) found.push(table({ title: words("drop.scores_own"), head: [words("drop.engine"), words("drop.level"), words("drop.score")], rows: scores.map((one) => [one.source, one.level, one.text]) }));
     if (values?.rows?.length) found.push(table(values));
     return found;
   }
@@ -130,8 +130,9 @@ export class Drop {
     const button = make("button", { type: "button", textContent: words("drop.script") });
     button.addEventListener("click", async () => {
       try {
-        const { files } = await job({ ...asked, kind: "script", engine: choice.value });
-        list.replaceChildren(...links(files));
+        const { files } = await job({ ...asked, kind: "script", engine: choice.value, ...(asked.result ? { result: asked.result } : {}) });
+        list.append(...links(this.group(), files));
+        document.dispatchEvent(new Event("stored"));
       } catch (error) {
         this.refuse(error);
       }

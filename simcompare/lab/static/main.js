@@ -1,5 +1,5 @@
 import { Drop } from "/static/drop.js";
-import { byId, make } from "/static/parts.js";
+import { byId, links, make } from "/static/parts.js";
 import { Real } from "/static/real.js";
 import { get } from "/static/server.js";
 import { language, words } from "/static/words.js";
@@ -23,11 +23,11 @@ function expert(isOn) {
 // what the group has stored, also before a restart of the server
 async function stored(real) {
   const found = await get(`/api/groups/${encodeURIComponent(group())}`).catch(() => null);
-  const results = (found?.results ?? []).filter((one) => one.sentence), files = found?.files ?? [];
+  const results = (found?.results ?? []).filter((one) => one.kind === "fit"), files = found?.files ?? [];
   byId("results").hidden = !results.length && !files.length;
   byId("stored").replaceChildren(
     ...results.map((one) => make("li", {}, [one.when, one.sentence].filter(Boolean).join(": "))),
-    ...files.map((one) => make("li", {}, make("a", { href: one.url, textContent: one.name }))));
+    ...links(group(), files));
   real.offer(found?.recordings ?? []);
 }
 

@@ -1,4 +1,6 @@
 // small pieces of the page
+import { fileOf } from "/static/server.js";
+
 /** An element with properties and what is in it. */
 export function make(tag, properties = {}, ...inside) {
   const found = Object.assign(document.createElement(tag), properties);
@@ -35,5 +37,5 @@ export function tick(type, name, value, text, properties = {}) {
 
 export const ticked = (box) => [...box.querySelectorAll("input:checked")].map((one) => one.value);
 
-/** Files to take home. */
-export const links = (files) => files.map((one) => make("li", {}, make("a", { href: one.url, textContent: one.text ?? one.name, download: one.name })));
+/** Files to take home, by their names. */
+export const links = (group, files) => files.map((name) => make("li", {}, make("a", { href: fileOf(group, name), textContent: name, ...(name.endsWith(".html") ? { target: "_blank" } : { download: name }) })));

@@ -2,7 +2,7 @@
 import { words } from "/static/words.js";
 
 const INK = "#1b1b1b", GRID = "#e3e3e3", FONT_PX = 14;
-const MEASURED = "#000000";
+const MEASURED = "#000000", DEFAULT = "default", BY_HAND = "by hand";
 const SIGNS = ["circle", "square", "diamond", "triangle-up", "cross", "x", "star", "triangle-down"];
 const OPTIONS = { displaylogo: false, displayModeBar: false, responsive: true };
 
@@ -28,17 +28,19 @@ export function curves(box, { curves: all, recorded, y_label: label }, level) {
   return draw(box, data, words("drop.time"), label);
 }
 
+/** A level as the page calls it. */
+export const levelName = (level) => (level === DEFAULT ? words("real.before") : level === BY_HAND ? words("hand.yours") : words("real.after"));
+
 /** Restitution of each bounce: measured, and every engine before and after it was fitted. */
-export function bounces(box, { measured, engines }, label) {
-  const numbers = (values) => values.map((_, i) => i + 1);
+export function bounces(box, { numbers, measured, engines }) {
   const names = [...new Set(engines.map((one) => one.name))];
   const data = [
-    { type: "scatter", mode: "lines+markers", name: words("real.measured"), x: numbers(measured), y: measured, line: { color: MEASURED, width: 3 }, marker: { size: 11, symbol: "circle", color: MEASURED } },
+    { type: "scatter", mode: "lines+markers", name: words("real.measured"), x: numbers, y: measured, line: { color: MEASURED, width: 3 }, marker: { size: 11, symbol: "circle", color: MEASURED } },
     ...engines.map((one) => ({
-      type: "scatter", mode: "lines+markers", name: `${one.name}, ${words(one.isAfter ? "real.after" : "real.before")}`, x: numbers(one.values), y: one.values,
-      line: { color: one.colour, width: one.isAfter ? 2 : 1, dash: one.isAfter ? "solid" : "dot" },
-      marker: { size: 9, color: one.isAfter ? one.colour : "#fff", line: { color: one.colour, width: 2 }, symbol: SIGNS[(names.indexOf(one.name) + 1) % SIGNS.length] },
+      type: "scatter", mode: "lines+markers", name: `${one.name}, ${levelName(one.level)}`, x: numbers, y: one.values,
+      line: { color: one.colour, width: one.level === DEFAULT ? 1 : 2, dash: one.level === DEFAULT ? "dot" : one.level === BY_HAND ? "dash" : "solid" },
+      marker: { size: 9, color: one.level === DEFAULT ? "#fff" : one.colour, line: { color: one.colour, width: 2 }, symbol: SIGNS[(names.indexOf(one.name) + 1) % SIGNS.length] },
     })),
   ];
-  return draw(box, data, words("real.bounce"), label, { xaxis: { ...axis(words("real.bounce")), dtick: 1 } });
+  return draw(box, data, words("real.bounce"), words("real.restitution_axis"), { xaxis: { ...axis(words("real.bounce")), dtick: 1 } });
 }

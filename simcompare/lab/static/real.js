@@ -1,6 +1,6 @@
 // a real ball: record or send it, see its impacts, fit all engines to it
 import { byId, links, make, say, table } from "/static/parts.js";
-import { bounces } from "/static/pictures.js";
+import { bounces, levelName } from "/static/pictures.js";
 import { Recorder } from "/static/recorder.js";
 import { get, job, post, Refused, upload } from "/static/server.js";
 import { Scale } from "/static/video.js";
@@ -10,6 +10,15 @@ import { words } from "/static/words.js";
 const KINDS = { audio: "sound", video: "video" };
 const kindOf = (file) => KINDS[file.type.split("/")[0]] ?? "table";
 
+const told = (values) => Object.entries(values).map(([name, value]) => `${name} ${Number(value.toPrecision(4))}`).join(", ");
+
+// how far the student's hand was
+function studentTable(rows) {
+  if (!rows?.length) return [];
+  const unit = (one) => (one.unit === "1" ? "" : one.unit);
+  return [table({ title: words("hand.far"), head: [words("drop.engine"), words("hand.value"), words("hand.yours"), words("hand.fitted")], rows: rows.map((one) => [one.engine, one.name, `${one.yours} ${unit(one)}`, `${one.fitted ?? "–"} ${unit(one)}`]) })];
+}
+
 export class Real {
   constructor(group, drop) {
     Object.assign(this, { group, drop, recorder: null, recording: null });
@@ -18,6 +27,7 @@ export class Real {
     byId("record").addEventListener("click", () => (this.recorder ? this.recorder.end?.("stopped") : this.try(() => this.record())));
     byId("file").addEventListener("change", () => byId("file").files.length && this.try(() => this.file(byId("file").files[0])));
     byId("own").addEventListener("change", () => byId("own").value && this.try(() => this.again(byId("own").value)));
+    byId("fit-for-me").addEventListener("click", () => this.fitForMe());
     byId("fit").addEventListener("click", () => this.try(() => this.fit()));
   }
   async try(work) {
@@ -75,40 +85,78 @@ export class Real {
     this.state([...notes, words("real.heard", { count: impacts.length }), ...(recording.notes ?? [])].join(" "));
     if (!impacts.length) return;
     this.drop.recording = recording.id;
-    await this.waveform.show({ wave: recording.wave, impacts });
-    this.tell();
+    await this.waveform.show(recording);
+    this.tell(recording.drop?.middle);
   }
-  // the restitution of the impacts that are left, at once
-  tell() {
+  // how the ball bounces: as the lab found it, or after a strike by the impacts that are left
+  tell(found = this.middle()) {
+    byId("fit").disabled = !found;
+    byId("restitution").textContent = found ? words("real.restitution", { value: found.toFixed(4) }) : words("real.too_few");
+  }
+  middle() {
     const kept = this.recording.impacts.filter((_, i) => !this.waveform.struck.has(i));
     const spans = kept.slice(1).map((one, i) => one.time_s - kept[i].time_s);
-    const each = spans.slice(1).map((one, i) => one / spans[i]).sort((a, b) => a - b);
-    byId("fit").disabled = each.length < 1;
-    const middle = each.length ? (each[Math.floor((each.length - 1) / 2)] + each[Math.ceil((each.length - 1) / 2)]) / 2 : NaN;
-    byId("restitution").textContent = each.length ? words("real.restitution", { value: middle.toFixed(4), count: each.length }) : words("real.too_few");
+    const ratios = spans.slice(1).map((one, i) => one / spans[i]).sort((a, b) => a - b);
+    return (ratios[Math.floor((ratios.length - 1) / 2)] + ratios[Math.ceil((ratios.length - 1) / 2)]) / 2;
   }
   async fit() {
     this.state(words("real.fitting"));
-    const { engines, contact, scenario } = this.drop.choices.wish;
-    const result = await job({ kind: "fit", group: this.group(), recording: this.recording.id, scenario, engines, contact, struck: [...this.waveform.struck] }, ({ progress }) => this.state(words("real.fitting_part", { percent: Math.round(100 * (progress ?? 0)) })));
+    const { engines, contact, scenario } = this.drop.choices.wish, group = this.group();
+    const asked = { group, recording: this.recording.id, scenario, engines, contact, struck: [...this.waveform.struck] };
+    const result = await job({ ...asked, kind: "fit" }, ({ progress }) => this.state(words("real.fitting_part", { percent: Math.round(100 * (progress ?? 0)) })));
     this.state("");
-    await this.fitted(result);
+    await this.fitted(result, asked);
+    return result;
   }
-  async fitted(result) {
+  async fitted(result, asked) {
     byId("fitted").hidden = false;
     byId("fit-answer").textContent = result.sentence;
-    const found = result.bounces;
-    byId("bounces").parentElement.hidden = !found;
-    if (found) await bounces(byId("bounces"), { ...found, engines: found.engines.map((one) => ({ ...one, isAfter: one.level !== "default" })) }, result.y_label);
-    const values = (all) => Object.entries(all).map(([name, value]) => `${name.replaceAll("_", " ")} ${typeof value === "number" ? Number(value.toPrecision(5)) : value}`).join(", ");
-    byId("fit-table").replaceChildren(table({ title: words("real.table"), head: [words("drop.engine"), words("real.values"), words("real.misfit")], rows: result.engines.map((one) => [one.name, values(one.values), typeof one.misfit === "number" ? String(Number(one.misfit.toPrecision(3))) : one.misfit]) }));
-    this.student(result.student ?? []);
-    byId("files").replaceChildren(...links(result.files ?? []));
+    say(byId("real-faults"), [...(result.notes ?? []), ...(result.missing ?? [])]);
+    await bounces(byId("bounces"), result.bounces);
+    byId("fit-table").replaceChildren(this.table(result));
+    byId("student").replaceChildren(...studentTable(result.student));
+    byId("files").replaceChildren(...links(asked.group, result.files));
+    byId("home").replaceChildren(...["script", "report"].map((kind) => this.home(kind, { ...asked, kind, result: result.id })));
+    this.drop.choices.take(result.parameters);
+    await this.drop.show(result, { isPlayed: false, job: { ...asked, result: result.id, parameters: result.parameters } });
     document.dispatchEvent(new Event("stored"));
   }
-  // how far the student's hand was
-  student(rows) {
-    byId("student").replaceChildren(...(rows.length ? [table({ title: words("hand.far"), head: [words("drop.engine"), words("hand.value"), words("hand.yours"), words("hand.fitted")], rows: rows.map((one) => [one.engine, one.name.replaceAll("_", " "), `${one.yours} ${one.unit ?? ""}`, `${one.fitted} ${one.unit ?? ""}`]) })] : []));
+  // each engine's values, and how far it was off before and after
+  table({ engines, scores }) {
+    const levels = [...new Set(scores.map((one) => one.level))];
+    const off = (name, level) => scores.find((one) => one.source === name && one.level === level)?.misfit_mm ?? "–";
+    return table({
+      title: words("real.table"), head: [words("drop.engine"), words("real.values"), ...levels.map((one) => `${levelName(one)} (mm)`)],
+      rows: engines.map((one) => [one.name, told(one.values), ...levels.map((level) => String(off(one.name, level)))]),
+    });
+  }
+  // makes a file that can be taken home
+  home(kind, asked) {
+    const button = make("button", { type: "button", textContent: words(`real.make_${kind}`) });
+    button.addEventListener("click", () => this.try(async () => {
+      button.disabled = true;
+      try {
+        const { files, missing = [] } = await job(asked);
+        byId("files").append(...links(asked.group, files));
+        say(byId("real-faults"), missing);
+        document.dispatchEvent(new Event("stored"));
+      } finally {
+        button.disabled = false;
+      }
+    }));
+    return button;
+  }
+  /** Fits to the recording, and tells how far the student's hand was. */
+  fitForMe() {
+    const box = byId("hand-result");
+    if (!this.drop.recording) box.replaceChildren(words("hand.no_recording"));
+    else if (!Object.keys(this.drop.choices.contact).length) box.replaceChildren(words("hand.no_hand"));
+    else this.try(async () => {
+      box.replaceChildren(words("real.fitting"));
+      const result = await this.fit();
+      box.replaceChildren(...studentTable(result.student));
+      result.engines.forEach((one) => this.drop.choices.takeOver(one.name, one.values));
+    });
   }
   /** The recordings that the group has already. */
   offer(recordings) {

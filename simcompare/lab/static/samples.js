@@ -6,15 +6,12 @@ class Samples extends AudioWorkletProcessor {
     super();
     this.block = new Float32Array(BLOCK);
     this.filled = 0;
-    this.next = currentFrame;
+    this.next = null;
     this.lost = 0;
   }
   process([[channel]]) {
-    this.lost += Math.max(currentFrame - this.next, 0);
-    if (!channel) {
-      this.next = currentFrame;
-      return true;
-    }
+    if (!channel) return true;
+    this.lost += currentFrame - (this.next ?? currentFrame);
     this.next = currentFrame + channel.length;
     this.block.set(channel, this.filled);
     this.filled += channel.length;

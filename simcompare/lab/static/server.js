@@ -23,23 +23,28 @@ async function answer(asked) {
   return found;
 }
 
-export const get = (path) => answer(fetch(path));
+const HEAD = { "Accept-Language": language };
+
+export const get = (path) => answer(fetch(path, { headers: HEAD }));
 
 export const post = (path, value) =>
-  answer(fetch(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(value) }));
+  answer(fetch(path, { method: "POST", headers: { ...HEAD, "Content-Type": "application/json" }, body: JSON.stringify(value) }));
 
 /** Sends a sound, a video or a table, and gives what was heard or seen in it. */
 export function upload(group, name, kind, blob) {
   const query = new URLSearchParams({ group, name, kind, lang: language });
-  return answer(fetch(`/api/recordings?${query}`, { method: "POST", headers: { "Content-Type": "application/octet-stream" }, body: blob }));
+  return answer(fetch(`/api/recordings?${query}`, { method: "POST", headers: { ...HEAD, "Content-Type": "application/octet-stream" }, body: blob }));
 }
+
+/** Where a file of a group is. */
+export const fileOf = (group, name) => `/files/${encodeURIComponent(group)}/${encodeURIComponent(name)}`;
 
 /** Has a job done and gives its result; tells now and then how far it is. */
 export async function job(what, tell = () => {}) {
   const { id } = await post("/api/jobs", { language, ...what });
   for (;;) {
     const now = await get(`/api/jobs/${id}?wait=${WAIT_S}`);
-    if (now.result) return now.result;
+    if (now.result) return { ...now.result, id };
     if (now.state === "failed") throw new Refused(now.faults ?? [words("page.failed")]);
     tell(now);
   }

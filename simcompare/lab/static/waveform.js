@@ -7,13 +7,12 @@ const SOUND = "#56789b", KEPT = "#d55e00", STRUCK = "#767676";
 
 export class Waveform {
   constructor(plot, list, changed) {
-    Object.assign(this, { plot, list, changed, struck: new Set() });
+    Object.assign(this, { plot, list, changed });
   }
-  show({ wave, impacts }) {
-    Object.assign(this, { wave, impacts });
-    this.struck.clear();
+  show({ wave, impacts, drop }) {
+    Object.assign(this, { wave, impacts, struck: new Set(drop?.left_out) });
     const boxes = impacts.map((one, i) => {
-      const label = tick("checkbox", "impact", i, words("real.impact", { number: i + 1, time: one.time_s.toFixed(3) }), { checked: true });
+      const label = tick("checkbox", "impact", i, words("real.impact", { number: i + 1, time: one.time_s.toFixed(3) }), { checked: !this.struck.has(i) });
       label.firstChild.addEventListener("change", () => this.strike(i));
       return label;
     });
