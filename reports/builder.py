@@ -11,14 +11,15 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup, escape
 
-from simcompare.errors import UnknownName
+from simcompare.errors import InputError, UnknownName
 from simcompare.reports import pages
-from simcompare.reports.render import matplotlib_, numbers, output, plotly_, replay_page
+from simcompare.reports.render import film, matplotlib_, numbers, output, plotly_, replay_page
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Block
 from simcompare.reports.render.replays import Replay
 from simcompare.reports.render.styles import style_of
 from simcompare.reports.render.tables import printable
+from simcompare.reports.run import runs as of_runs
 from simcompare.reports.run import settings
 from simcompare.reports.sections import of_run
 from simcompare.results.records.run import Record, RunRecord
@@ -98,6 +99,33 @@ def write_pdf(runs: Sequence[Run], path: Path) -> Path:
         OutputError: it cannot be written.
     """
     return output.write(Path(path), pages.rendered(blocks_of(runs)), output.MARKS["pdf"])
+
+
+def write_film(run: Run, path: Path, format: str, contact: str | None, told: film.Told) -> Path:
+    """Writes the replay of a run as a film.
+
+    Args:
+        run: what is shown.
+        path: file to write.
+        format: "gif" or "mp4".
+        contact: level that is shown; that which a report shows first where ``None``.
+        told: progress.
+
+    Raises:
+        InputError: no source tells where a body is; no ffmpeg for mp4.
+        UnknownName: the run has no such contact level.
+        OutputError: it cannot be written.
+    """
+    every = (one for block in blocks_of([run]) for part in block.parts for one in part.every_replay)
+    replay = next(every, None)
+    if replay is None:
+        raise InputError(f"--format {format}", [f"nothing moves in {_title(run.record)}"])
+    named = {mode: of_runs.mode_title(mode) for mode in of_runs.modes(run)}
+    levels = {mode: words for mode, words in named.items() if words in replay.levels}
+    if contact is not None and contact not in levels:
+        raise UnknownName("contact level", contact, [*levels])
+    level = next(iter(replay.levels), "") if contact is None else levels[contact]
+    return film.write(replay, level, path, format, told)
 
 
 def write_markdown(runs: Sequence[Run], path: Path) -> Path:

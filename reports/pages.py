@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from simcompare.reports.render import matplotlib_
+from simcompare.reports.render import matplotlib_, matplotlib_replay
 from simcompare.reports.render.paper import GUTTER, SOFT, WIDTH, Cell, Paper, Type
 from simcompare.reports.render.parts import Block, KeyNumber, Part
 from simcompare.reports.render.tables import Column, Table, printable
@@ -27,6 +27,8 @@ _SIGNS = {"pass": " ✓", "fail": " ✗"}
 _SMALL = 0.76
 #: columns of words are as wide as their words, at most the first of these with which all fit [inch]
 _WORDS = (5.0, 3.2, 1.6, 0.9)
+#: of a picture in an inch
+_DOTS = 200
 
 
 def document(blocks: Sequence[Block]) -> list[Canvas]:
@@ -175,7 +177,11 @@ def _width(table: Table, i: int, most: float, scale: float) -> float:
 
 
 def _replay(paper: Paper, replay: Any, _scale: float) -> None:  # noqa: ANN401
-    """Paper does not move."""
+    """Paper does not move: several instants in one picture."""
+    level = next(iter(replay.levels), "")
+    words = f"Several instants, the last one full; {level}." if level else "Several instants."
+    content = matplotlib_replay.rendered(replay, level, _DOTS)
+    paper.picture(replay.title, content, words, _CAPTION)
 
 
 _OTHERS: dict[str, Callable[[Paper, Any, float], None]] = {

@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import base64
 import json
+import shutil
+import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 from pydantic import TypeAdapter
 
 import simcompare
 from simcompare.engine import engines
+from simcompare.errors import InputError, OutputError, UnknownName
 from simcompare.model.drawing import DrawnBody, drawn
 from simcompare.model.rotations import rotate
 from simcompare.model.settings import Settings
 from simcompare.model.shapes import Shape
 from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports import builder
-from simcompare.reports.render import matplotlib_replay, replay_page
+from simcompare.reports.pages import document
+from simcompare.reports.render import film, matplotlib_replay, replay_page
 from simcompare.reports.render.meshes import Mesh, mesh_of, sheet
 from simcompare.reports.render.staging import Source, staged
 from simcompare.reports.run.replay import replay_of
@@ -204,17 +209,6 @@ def test_what_stays_in_its_place_stands_side_by_side_along_its_swing() -> None:
     assert (replay.across, replay.is_flat, replay.is_upright) == (0, True, True)
 
 
-def test_a_source_that_is_no_number_is_left_out() -> None:
-    whole = _turning(10, 1.0)
-    nowhere = np.full_like(whole.signals["disc.position_m"], np.nan)
-    lost = replace(whole, signals={**whole.signals, "disc.position_m": nowhere})
-    sources = [Source("lost", "#112233", "", lost), Source("kept", "#112233", "", _turning(10, 1))]
-    replay = staged(DISC, sources, "")
-    assert replay is not None
-    assert [actor.label for actor in replay.actors] == ["kept"]
-    assert staged(DISC, sources[:1], "") is None
-
-
 def test_a_placed_surface_is_turned_and_moved(run: Result) -> None:
     replay = replay_of(run)
     assert replay is not None
@@ -231,3 +225,88 @@ def test_a_still_is_a_picture(run: Result) -> None:
     replay = replay_of(run)
     assert replay is not None
     assert matplotlib_replay.rendered(replay, replay.levels[0])[:4] == b"\x89PNG"
+
+
+def _short(run: Result) -> Result:
+    """The same run, of which only the first 0.1 s are there: films take a while to draw."""
+    stored = tuple(
+        replace(one, trajectory=_beginning(one.trajectory, 0.1)) for one in run.trajectories
+    )
+    return replace(run, trajectories=stored)
+
+
+def _beginning(trajectory: Trajectory, end_s: float) -> Trajectory:
+    count = int(np.searchsorted(trajectory.time_s, end_s))
+    signals = {name: values[:count] for name, values in trajectory.signals.items()}
+    return replace(trajectory, time_s=trajectory.time_s[:count], signals=signals)
+
+
+def test_a_film_is_as_long_as_what_it_shows(run: Result, tmp_path: Path) -> None:
+    told: list[tuple[str, int, int]] = []
+    written = simcompare.report(
+        _short(run), format="gif", contact="tuned", out=tmp_path / "ball.gif",
+        progress=lambda *step: told.append(step),
+    )  # fmt: skip
+    with Image.open(written) as seen:
+        # 0.1 s at 25 pictures a second, first and last one included
+        assert len([*ImageSequence.Iterator(seen)]) == len(told) == 3
+        assert seen.info["duration"] == 40
+    assert told[-1] == ("film", 3, 3)
+
+
+def test_a_film_never_replaces_one_of_somebody_else(run: Result, tmp_path: Path) -> None:
+    theirs = tmp_path / "ball.gif"
+    Image.new("RGB", (4, 4)).save(theirs)
+    with pytest.raises(OutputError, match="is another file"):
+        simcompare.report(_short(run), format="gif", out=theirs)
+
+
+def test_a_long_run_plays_faster_in_a_film(run: Result) -> None:
+    replay = replay_of(run)
+    assert replay is not None
+    long = replace(replay, time_s=np.linspace(0, 60, len(replay.time_s)))
+    places, faster = film.instants(long)
+    assert len(places) == 500
+    assert faster == pytest.approx(60 * 25 / 500, rel=0.01)
+    assert film.instants(replay)[1] == 1
+
+
+def test_a_film_is_written_as_mp4_where_there_is_an_ffmpeg(run: Result, tmp_path: Path) -> None:
+    if shutil.which("ffmpeg") is None:
+        pytest.importorskip("imageio_ffmpeg")
+    written = simcompare.report(_short(run), format="mp4", out=tmp_path / "ball.mp4")
+    assert written.read_bytes()[4:8] == b"ftyp"
+    simcompare.report(_short(run), format="mp4", out=written)  # one of ours is replaced
+
+
+def test_without_ffmpeg_the_cure_is_told(
+    run: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(InputError, match=r"no ffmpeg is installed; cure: install ffmpeg, or: pip"):
+        simcompare.report(run, format="mp4", out=tmp_path / "ball.mp4")
+
+
+def test_a_film_shows_one_run_at_a_level_that_it_has(run: Result, tmp_path: Path) -> None:
+    out = tmp_path / "ball.gif"
+    with pytest.raises(InputError, match="2 runs are given; a film shows one"):
+        simcompare.report([run, run], format="gif", out=out)
+    with pytest.raises(UnknownName, match="no contact level is called 'assisted'"):
+        simcompare.report(run, format="gif", contact="assisted", out=out)
+    with pytest.raises(InputError, match="pdf shows all levels"):
+        simcompare.report(run, format="pdf", contact="tuned", out=out)
+    old = replace(run, record=replace(run.record, scene={}))
+    with pytest.raises(InputError, match="nothing moves in"):
+        simcompare.report(old, format="gif", out=out)
+    assert not out.exists()
+
+
+def test_paper_shows_the_scene(run: Result) -> None:
+    pages = document(builder.blocks_of([run]))
+    assert any(
+        picture.get_size() == (800, 1440)  # 4 × 7.2 inches of 200 dots
+        for page in pages
+        for axes in page.axes
+        for picture in axes.images
+    )

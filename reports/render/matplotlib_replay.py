@@ -1,69 +1,87 @@
-"""A replay on paper and as a film, drawn by matplotlib."""
+"""A replay on paper, drawn by matplotlib."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from simcompare.model.trajectory import Array
 from simcompare.reports.render import matplotlib_
-from simcompare.reports.render.meshes import Mesh
+from simcompare.reports.render.meshes import Mesh, joined
+from simcompare.reports.render.output import MADE_BY
 from simcompare.reports.render.replays import Actor, Replay
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
-#: width and height of a picture, and of a film [inch]
-SIZE, FILM_SIZE = (7.2, 4.0), (8.0, 4.5)
+#: width and height of a still [inch], and its dots in an inch of a screen
+SIZE, DPI = (7.2, 4.0), 110
 #: pictures of one source in a still: the last is full, those before are shades
 _INSTANTS, _SHADE = 9, 0.16
 _FLOOR, _LIGHT = "#E4E4E4", np.array((0.35, -0.5, 0.8))
-#: dots of a film in an inch, and its pictures in a second
-_FILM_DPI, FILM_HZ = 120, 25.0
 
 
 def still(replay: Replay, level: str) -> Canvas:
     """Several instants in one picture, the last one full."""
     page = matplotlib_.blank(SIZE)
-    axes = _axes(page, replay, replay.shown(level))
     places = np.unique(np.linspace(0, len(replay.time_s) - 1, _INSTANTS).round().astype(int))
-    _surfaces(axes, replay, replay.shown(level), places.tolist())
+    Stage(page, replay, level).show(places.tolist())
     return page
 
 
-def film(
-    replay: Replay,
-    level: str,
-    path: Path,
-    writer: Any,  # noqa: ANN401  (one of matplotlib's)
-    progress: Callable[[float], None],
-) -> None:
-    """Writes all of a replay as moving pictures, in real time.
+def rendered(replay: Replay, level: str, dpi: int = DPI) -> bytes:
+    """A still as the content of a PNG file."""
+    stream = io.BytesIO()
+    still(replay, level).savefig(stream, format="png", dpi=dpi, metadata={"Software": MADE_BY})
+    return stream.getvalue()
+
+
+class Stage:
+    """Axes with what never moves, on which bodies are shown.
 
     Args:
+        page: to draw on; has nothing else.
         replay: the scene.
         level: words of the contact level that is shown.
-        path: file to write.
-        writer: of matplotlib, for the format.
-        progress: is told the part that is done.
     """
-    page, actors = matplotlib_.blank(FILM_SIZE), replay.shown(level)
-    axes = _axes(page, replay, actors)
-    span = float(replay.time_s[-1] - replay.time_s[0])
-    count = max(2, round(span * FILM_HZ) + 1)
-    with writer.saving(page, str(path), dpi=_FILM_DPI):
-        for k, place in enumerate(np.linspace(0, len(replay.time_s) - 1, count).round()):
-            drawn = _surfaces(axes, replay, actors, [int(place)])
-            axes.set_title(f"{replay.time_s[int(place)]:.2f} s", loc="right")
-            writer.grab_frame()
-            for one in drawn:
-                one.remove()
-            progress((k + 1) / count)
+
+    def __init__(self, page: Canvas, replay: Replay, level: str) -> None:
+        self._replay, self._actors = replay, replay.shown(level)
+        self._shifts = _shifts(replay, len(self._actors))
+        self._axes = _axes(page, replay, self._actors)
+        self._drawn: list[Any] = []
+        for mesh in (_ground(replay, self._shifts), *map(self._solid, self._shifts)):
+            _surface(self._axes, mesh, _FLOOR, 1.0, 0)
+
+    def show(self, places: Sequence[int]) -> None:
+        """Shows all sources at some instants, the last one full, and nothing of before."""
+        for one in self._drawn:
+            one.remove()
+        self._drawn = []
+        lanes = zip(self._actors, self._shifts, strict=True)
+        # who is farther away, and how it stood before, is behind
+        for actor, shift in reversed([*lanes]):
+            for place in places:
+                alpha = 1.0 if place == places[-1] else _SHADE
+                mesh = self._bodies(actor, shift, place)
+                rank = 1 + len(self._drawn)
+                self._drawn.append(_surface(self._axes, mesh, actor.colour, alpha, rank))
+
+    def say(self, text: str) -> None:
+        """Writes a text at the right above the scene."""
+        self._axes.set_title(text, loc="right")
+
+    def _bodies(self, actor: Actor, shift: float, place: int) -> Mesh:
+        bodies = self._replay.bodies
+        found = joined(actor.placed(name, bodies[name], place) for name in actor.motions)
+        return _moved(found, self._replay, shift)
+
+    def _solid(self, shift: float) -> Mesh:
+        return _moved(self._replay.still, self._replay, shift)
 
 
 def _shifts(replay: Replay, count: int) -> list[float]:
@@ -83,8 +101,9 @@ def _axes(page: Canvas, replay: Replay, actors: Sequence[Actor]) -> Any:  # noqa
     for axis, begin, end in zip("xyz", low, high, strict=True):
         getattr(axes, f"set_{axis}lim")(begin, end)
         getattr(axes, f"set_{axis}label")(f"{axis} (m)")
-        axes.locator_params(axis=axis, nbins=4)
-    axes.set_box_aspect(high - low, zoom=1.1)
+        share = (end - begin) / float(np.max(high - low))
+        axes.locator_params(axis=axis, nbins=max(1, round(5 * share)))
+    axes.set_box_aspect(high - low, zoom=_zoom(replay, high - low))
     axes.view_init(*_eye(replay))
     hidden = {
         *([replay.across] if replay.is_flat else []),
@@ -94,7 +113,8 @@ def _axes(page: Canvas, replay: Replay, actors: Sequence[Actor]) -> Any:  # noqa
         getattr(axes, f"set_{axis}ticks")([])
         getattr(axes, f"set_{axis}label")("")
     handles = [Patch(color=actor.colour, label=matplotlib_.plain(actor.label)) for actor in actors]
-    page.legend(handles=handles, loc="outside upper center", frameon=False, ncols=6)
+    if any(actor.label for actor in actors):
+        page.legend(handles=handles, loc="outside upper center", frameon=False, ncols=6)
     return axes
 
 
@@ -103,36 +123,19 @@ def _faces(replay: Replay) -> bool:
     return replay.is_flat and replay.is_upright
 
 
+def _zoom(replay: Replay, size_m: Array) -> float:
+    """How large the box about all is drawn, so that it fills the page; found by trying."""
+    if not _faces(replay):
+        return 1.25
+    shares = size_m / np.linalg.norm(size_m)
+    return float(np.clip(min(0.74 / shares[2], 1.5 / shares[replay.across]), 1.0, 2.0))
+
+
 def _eye(replay: Replay) -> tuple[float, float]:
     """From where it is seen: height and turn [°]."""
     if _faces(replay):
         return 8, 0 if replay.across == 1 else -90
     return 25, -60
-
-
-def _surfaces(
-    axes: Any,  # noqa: ANN401
-    replay: Replay,
-    actors: Sequence[Actor],
-    places: Sequence[int],
-) -> list[Any]:
-    """Draws what never moves and all sources at some instants, the last one full."""
-    shifts = _shifts(replay, len(actors))
-    drawn = [
-        _surface(axes, mesh, _FLOOR, 1.0, 0)
-        for mesh in (
-            _ground(replay, shifts),
-            *(_moved(replay.still, replay, one) for one in shifts),
-        )
-        if len(mesh.corners)
-    ]
-    for actor, shift in zip(actors, shifts, strict=True):
-        for place in places:
-            for name in actor.motions:
-                mesh = _moved(actor.placed(name, replay.bodies[name], place), replay, shift)
-                alpha = 1.0 if place == places[-1] else _SHADE
-                drawn.append(_surface(axes, mesh, actor.colour, alpha, 1 + place))
-    return drawn
 
 
 def _ground(replay: Replay, shifts: Sequence[float]) -> Mesh:
@@ -157,6 +160,7 @@ def _surface(axes: Any, mesh: Mesh, colour: str, alpha: float, rank: int) -> Any
     colours = np.clip(np.outer(tone, to_rgb(colour)), 0.0, 1.0)
     solid = np.column_stack([colours, np.full(len(faces), alpha)])
     surface = Poly3DCollection(faces, facecolors=solid, linewidths=0, zorder=rank)
+    surface.set_clip_on(False)  # the axes are a square in the middle of the page
     return axes.add_collection3d(surface)
 
 
@@ -164,10 +168,3 @@ def _normals(faces: Array) -> Array:
     sides = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     length = np.linalg.norm(sides, axis=1, keepdims=True)
     return np.asarray(sides / np.where(length > 0, length, 1.0))
-
-
-def rendered(replay: Replay, level: str, format: str = "png") -> bytes:
-    """A still as the content of a picture file."""
-    stream = io.BytesIO()
-    still(replay, level).savefig(stream, format=format, dpi=matplotlib_.DPI / 2)
-    return stream.getvalue()

@@ -18,6 +18,8 @@ MARKS: Mapping[str, bytes] = {
     "pdf": f"/Creator ({MADE_BY})".encode(),
     "png": f"Software\0{MADE_BY}".encode(),
     "svg": f"<dc:title>{MADE_BY}</dc:title>".encode(),
+    "gif": f"Made by {MADE_BY}".encode(),
+    "mp4": MADE_BY.encode(),
 }
 
 

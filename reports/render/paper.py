@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -150,12 +151,26 @@ class Paper:
         height = min(max(_USUAL_FIGURE * figure.height, _MIN_FIGURE), self._free - around)
         self.heading(figure.title, 11)
         self._has_figure = True
-        heights = [self._y, height, SIZE[1] - self._y - height]
-        page: Any = self.pages[-1]
-        grid = page.subfigures(3, 3, height_ratios=heights, width_ratios=[LEFT, WIDTH, LEFT])
-        matplotlib_.draw(grid[1, 1], figure)
+        matplotlib_.draw(self._room(height), figure)
         self._y += height
         self.text(figure.caption, caption, 0.05)
+
+    def picture(self, title: str, content: bytes, words: str, caption: Type) -> None:
+        """A picture of so many dots with its title and its caption; it counts as a figure."""
+        from matplotlib.image import imread
+
+        dots = imread(io.BytesIO(content))
+        around = _TITLE + len(caption.wrapped(words, WIDTH)) * caption.line + 0.1
+        if self._has_figure or self._free - around < _MIN_FIGURE:
+            self._turn()
+        self.heading(title, 11)
+        self._has_figure = True
+        height = min(_USUAL_FIGURE, self._free - around)
+        axes = self._room(height).subplots()
+        axes.imshow(dots)
+        axes.set_axis_off()
+        self._y += height
+        self.text(words, caption, 0.05)
 
     def finish(self, first: int, count: int) -> list[Canvas]:
         """All pages, each with title and number at its foot."""
@@ -165,6 +180,12 @@ class Paper:
             self._write(self._title, LEFT, small, page)
             self._write(f"{number} / {count}", LEFT + WIDTH, small, page, right=True)
         return self.pages
+
+    def _room(self, height: float) -> Any:  # noqa: ANN401
+        """The part of the page in which a figure of a height [inch] stands."""
+        heights = [self._y, height, SIZE[1] - self._y - height]
+        page: Any = self.pages[-1]
+        return page.subfigures(3, 3, height_ratios=heights, width_ratios=[LEFT, WIDTH, LEFT])[1, 1]
 
     @property
     def _free(self) -> float:

@@ -81,11 +81,8 @@ def staged(
 
 
 def _told(scene: Mapping[str, DrawnBody], trajectory: Trajectory) -> list[str]:
-    """Bodies of which a source tells where they are, at every time."""
-    places = {name: trajectory.signals.get(f"{name}.{POSITION}") for name in scene}
-    return [
-        name for name, place in places.items() if place is not None and np.isfinite(place).all()
-    ]
+    """Bodies of which a source tells where they are."""
+    return [name for name in scene if f"{name}.{POSITION}" in trajectory.signals]
 
 
 def _times(scene: Mapping[str, DrawnBody], trajectories: Sequence[Trajectory]) -> Array:
@@ -197,7 +194,8 @@ def _sheets(
     scene: Mapping[str, DrawnBody], low: Array, high: Array, across: int
 ) -> tuple[Mesh, Mesh]:
     """Planes as far as the picture goes: those that all lanes share, and the others."""
-    shared, slanted = [], []
+    shared: list[Mesh] = []
+    slanted: list[Mesh] = []
     for place, normal in _planes(scene):
         found = shared if abs(normal[across]) < _STILL else slanted
         found.append(sheet(place, normal, low, high))
