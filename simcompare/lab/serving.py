@@ -158,6 +158,7 @@ def _listen(address: str, port: int) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((address, port))
+        listening.listen(_CONNECTIONS)
     except OSError as error:
         listening.close()
         cure = f"cure: simcompare lab --port {port + 1 if port < 65535 else 8000}"

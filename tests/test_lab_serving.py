@@ -1,0 +1,268 @@
+"""The lab as it is opened: real connections, https, Ctrl-C, and what the command refuses."""
+
+import contextlib
+import http.client
+import json
+import os
+import signal
+import socket
+import ssl
+import stat
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer.testing
+
+pytest.importorskip("starlette", reason="the extra [web] is not installed")
+pytest.importorskip("uvicorn", reason="the extra [web] is not installed")
+pytest.importorskip("segno", reason="the extra [web] is not installed")
+pytest.importorskip("trustme", reason="the extra [web] is not installed")
+
+from simcompare import cli
+from simcompare.cli import lab as lab_verb
+from simcompare.errors import InputError
+from simcompare.lab import serving, share
+from tests import lab_stand_in
+from tests.test_lab_server import WAV
+
+#: a lab in a process of its own, as the command opens it, with a stand-in that does the jobs
+ALONE = """
+import sys
+from pathlib import Path
+from simcompare.lab import serving
+from simcompare.running import interruption
+from tests import lab_stand_in
+interruption.take_over()
+made = serving.open_lab(serving.Wanted(Path(sys.argv[1]), 0), lab_stand_in.perform)
+serving.serve(made, lambda: print(made.listening.getsockname()[1], flush=True))
+print("closed", flush=True)
+"""
+
+
+@contextlib.contextmanager
+def served(folder, **wanted):
+    """A lab that is served in a thread."""
+    opened = serving.open_lab(serving.Wanted(folder, 0, **wanted), lab_stand_in.perform)
+    thread = threading.Thread(target=opened.server.run, kwargs={"sockets": [opened.listening]})
+    thread.start()
+    try:
+        yield opened
+    finally:
+        opened.server.should_exit = True
+        thread.join()
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    with served(tmp_path_factory.mktemp("plain")) as opened:
+        yield opened
+
+
+def port_of(opened):
+    return opened.listening.getsockname()[1]
+
+
+def ask(connection, method, path, body=None):
+    given = {"Content-Type": "application/json"} if isinstance(body, str) else {}
+    connection.request(method, path, body, given)
+    answer = connection.getresponse()
+    return answer.status, json.loads(answer.read())
+
+
+def worker_of(connection):
+    """Has a job done; the number of the process that did it."""
+    body = json.dumps({"group": "Newton", "kind": "run"})
+    status, told = ask(connection, "POST", "/api/jobs", body)
+    assert status == 202, told
+    return ask(connection, "GET", f"/api/jobs/{told['id']}?wait=20")[1]["result"]["pid"]
+
+
+def test_it_listens_to_this_machine_alone_unless_it_is_shared(plain):
+    assert plain.listening.getsockname()[0] == "127.0.0.1"
+    assert not plain.lab.pin.is_wanted
+    connection = http.client.HTTPConnection("127.0.0.1", port_of(plain))
+    status, told = ask(connection, "GET", "/api/share")
+    assert (status, told["faults"]) == (
+        404,
+        ["The lab is open to this computer alone. With simcompare lab --share phones can use it."],
+    )
+
+
+def test_a_shared_lab_speaks_https_with_its_own_certificate(tmp_path):
+    with served(tmp_path, shared=True, host="192.0.2.7", pin="4711") as opened:
+        assert opened.listening.getsockname()[0] == "0.0.0.0"
+        trusting = ssl.create_default_context(cafile=tmp_path / "certificate" / "certificate.pem")
+        trusting.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
+        connection = http.client.HTTPSConnection("127.0.0.1", port_of(opened), context=trusting)
+        status, told = ask(connection, "GET", "/api/share")
+        assert (status, told["url"]) == (200, f"https://192.0.2.7:{port_of(opened)}/")
+        assert told["qr_svg"].startswith("<svg")
+        assert "certificate" in told["sentence"]
+        assert ask(connection, "GET", "/api/teacher")[0] == 401
+        assert ask(connection, "GET", "/files/certificate/certificate.pem")[0] == 404
+        assert worker_of(connection) != os.getpid()
+
+
+def test_a_shared_lab_always_has_a_pin(tmp_path):
+    opened = serving.open_lab(serving.Wanted(tmp_path, 0, shared=True), lab_stand_in.perform)
+    opened.listening.close()
+    assert opened.lab.pin.is_wanted
+    assert opened.pin.isdigit()
+    assert len(opened.pin) == 6
+
+
+def raw(port, *parts):
+    """All that is answered to these bytes."""
+    with socket.create_connection(("127.0.0.1", port), timeout=30) as connection:
+        for part in parts:
+            connection.sendall(part)
+        answered = b""
+        while more := connection.recv(65536):
+            answered += more
+    return answered
+
+
+def head(port, *lines):
+    first = (b"POST /api/recordings?group=Galilei HTTP/1.1", b"Host: 127.0.0.1:%d" % port)
+    return b"\r\n".join([*first, b"Connection: close", *lines, b"", b""])
+
+
+def test_an_upload_that_ends_before_its_length_is_not_kept(plain):
+    port, folder = port_of(plain), plain.lab.groups.join("Galilei").folder / "recordings"
+    with socket.create_connection(("127.0.0.1", port)) as connection:
+        connection.sendall(head(port, b"Content-Length: 9000") + WAV + bytes(4000))
+        until(lambda: list(folder.glob(".*")), "the upload is not taken up")
+    until(lambda: not list(folder.iterdir()), "the upload is kept")
+
+
+def test_what_comes_beyond_the_length_is_not_part_of_the_file(plain):
+    port = port_of(plain)
+    answered = raw(port, head(port, b"Content-Length: %d" % len(WAV)), WAV, b"GET /secret\r\n")
+    assert answered.startswith(b"HTTP/1.1 200")
+    told = json.loads(answered.partition(b"\r\n\r\n")[2].partition(b"HTTP/1.1")[0])
+    place = plain.lab.groups.find("Galilei").recording(told["id"])
+    assert (place / "source.wav").read_bytes() == WAV
+
+
+def test_a_file_that_says_it_is_too_large_is_refused_before_it_comes(plain):
+    port = port_of(plain)
+    answered = raw(port, head(port, b"Content-Length: 2200000000"))
+    assert answered.startswith(b"HTTP/1.1 413")
+    assert b"at most 300 MB are taken" in answered
+
+
+def test_a_length_and_parts_together_are_refused(plain):
+    port = port_of(plain)
+    both = head(port, b"Content-Length: 3", b"Transfer-Encoding: chunked")
+    assert raw(port, both, b"0\r\n\r\nGET / HTTP/1.1\r\n\r\n").startswith(b"HTTP/1.1 400")
+
+
+@pytest.mark.parametrize(("number", "says"), [("SIGINT", "closed\n"), ("SIGKILL", "")])
+def test_no_process_is_left_when_the_lab_ends(tmp_path, number, says):
+    lab = subprocess.Popen(
+        [sys.executable, "-c", ALONE, tmp_path],
+        stdout=subprocess.PIPE,
+        text=True,
+        # Ctrl-C is not ignored, also where the tests run in the background of a script
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+    )
+    with lab:
+        connection = http.client.HTTPConnection("127.0.0.1", int(lab.stdout.readline()))
+        worker = worker_of(connection)
+        lab.send_signal(getattr(signal, number))
+        assert lab.stdout.read() == says
+    assert lab.returncode == (0 if says else -signal.SIGKILL)
+    until(lambda: is_gone(worker), "its worker is left")
+
+
+def until(is_so, fault):
+    """Returns when something is so; the limit is far beyond what the slowest machine needs."""
+    for _ in range(6000):
+        if is_so():
+            return
+        time.sleep(0.01)
+    raise AssertionError(fault)
+
+
+def is_gone(number):
+    try:
+        text = Path(f"/proc/{number}/stat").read_text(encoding="latin-1")
+    except OSError:
+        return True
+    return text.rpartition(")")[2].split()[0] == "Z"
+
+
+# ---- the certificate and the code
+
+
+def test_a_certificate_is_kept_while_it_holds_and_made_anew_for_another_name(tmp_path):
+    first = share.certificate(tmp_path, ["localhost", "127.0.0.1", "192.0.2.7"])
+    assert stat.S_IMODE(first.path.stat().st_mode) == 0o600
+    again = share.certificate(tmp_path, ["localhost", "192.0.2.7"])
+    assert again == first
+    other = share.certificate(tmp_path, ["localhost", "192.0.2.8"])
+    assert other.fingerprint != first.fingerprint
+    first.path.write_text("damaged")
+    assert share.certificate(tmp_path, ["localhost"]).fingerprint != other.fingerprint
+
+
+def test_addresses_are_those_of_others(monkeypatch):
+    assert not {"127.0.0.1", "::1", "0.0.0.0"} & set(share.addresses())
+
+
+def test_the_code_in_the_terminal_can_be_scanned():
+    cv2 = pytest.importorskip("cv2", reason="the reader of pictures is not installed")
+    address = "https://192.168.178.23:8000/"
+    halves = {"█": (255, 255), "▀": (255, 0), "▄": (0, 255), " ": (0, 0)}
+    lines = share.code_as_text(address).splitlines()
+    dots = np.array([[halves[letter] for letter in line] for line in lines], np.uint8)
+    picture = dots.transpose(0, 2, 1).reshape(2 * len(lines), -1)
+    large = np.kron(picture, np.ones((8, 8), np.uint8))
+    assert cv2.QRCodeDetector().detectAndDecode(large)[0] == address
+
+
+# ---- the command
+
+
+def refused(*words):
+    cli.register()
+    result = typer.testing.CliRunner().invoke(cli.app, ["lab", *words])
+    return result.exit_code, " ".join(result.output.split())
+
+
+def test_all_that_does_not_fit_together_is_told_at_once():
+    code, text = refused("--pin", "12", "--host", "me", "--language", "fr")
+    assert code == 2
+    for sentence in (
+        "--host needs --share beside it",
+        "--pin needs --share beside it",
+        "--pin must be 4 to 12 digits, such as 4711",
+        "--language fr is not spoken; choose en or de",
+    ):
+        assert sentence in text
+
+
+def test_a_missing_extra_is_told_with_its_cure(monkeypatch):
+    monkeypatch.setattr(lab_verb, "_WEB", ("starlette", "no_such_module"))
+    code, text = refused()
+    assert code == 3
+    assert "the lab needs no_such_module, not installed; cure:" in text
+    assert "pip install 'simcompare[web]'" in text
+
+
+def test_a_port_that_is_taken_is_told_with_its_cure(tmp_path, plain):
+    wanted = serving.Wanted(tmp_path, port_of(plain))
+    with pytest.raises(InputError, match="cure: simcompare lab --port"):
+        serving.open_lab(wanted, lab_stand_in.perform)
+
+
+def test_a_folder_that_is_a_file_is_told(tmp_path):
+    (tmp_path / "lab").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        serving.open_lab(serving.Wanted(tmp_path / "lab", 0), lab_stand_in.perform)
