@@ -349,6 +349,10 @@ CASES = {
     "cells with their units": (
         "lift.csv", "time,height,speed\n", "{t}s,150cm,2 m/s", {"height_m": 1.5, "speed_m_s": 2.0},
     ),
+    "a bag as csv, with its messages in empty columns": (
+        "odom.csv", "rosbagTimestamp,header,seq,pose,pose,position,x,y,orientation,x,w,twist,x\n",
+        "{ns},,{n},,,,1.5,{w},,0.6,0.8,,2", {"pose_pose_position_x_m": 1.5, "orientation_w": 0.8},
+    ),
     "labels of a plotter": (
         "plot.txt", "", "t_ms:{ms}\tforce_N:0.5\tangle_deg:90",
         {"force_N": 0.5, "angle_rad": 90 * DEG},
@@ -583,3 +587,15 @@ def test_a_level_that_a_logic_analyser_does_not_know_is_missing(tmp_path):
     path.write_text("Time [s],Channel 0,Channel 1\n" + rows("{t},1,0") + "0.4,X,1\n")
     (stream,) = importers.read(path, "csv", mapping.NOTHING).streams
     assert np.isnan(stream.column("Channel 0").values[-1])
+
+
+def test_header_stamps_that_go_back_are_no_clock(tmp_path):
+    path = tmp_path / "odom.csv"
+    lines = [
+        f"{10**9 * n},{10**9 * (n - 3 * (n == 20))},{n}" for n in range(1700000000, 1700000040)
+    ]
+    lines[20] = lines[20].replace(",1700000020", ",1700000010")
+    path.write_text("%time,field.header.stamp,field.x\n" + "\n".join(lines) + "\n")
+    log = importers.read(path, "csv", mapping.NOTHING)
+    assert log.streams[0].time == "%time"
+    assert "go back once" in str(log.repairs)

@@ -130,6 +130,8 @@ def read_source(source: _source.Source, mapping: Mapping) -> RawLog:
 
 def of_layout(source: _source.Source, layout: Layout, mapping: Mapping) -> RawLog:
     """The same where the layout is known."""
+    if layout.names[0][0] == "rosbagTimestamp":
+        layout = replace(layout, names=tuple(rostopic.nested(layout.names, layout.hollow)))
     names = [name for name, _ in layout.names]
     found = profiles.find(Path(source.label).name, layout.preamble, layout.names, source.word)
     layout = replace(layout, names=found.names) if found else layout

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from simcompare.hardware.conditioning.words import times
 from simcompare.hardware.raw import RawColumn, RawLog, RawStream
 from simcompare.model.recording import WARNING, Repair
+from simcompare.model.trajectory import Array
 
 _COVARIANCE = re.compile(r"(.*?)_?covariance(\d+)")
 
@@ -23,8 +25,10 @@ def finish(log: RawLog) -> None:
     stream = log.streams[0]
     names = [column.name for column in stream.columns]
     stamp = stream.column("field.header.stamp") if "field.header.stamp" in names else None
-    if stream.time == "field.header.stamp" and stamp is not None and not np.any(stamp.values):
-        text = "all header stamps are alike; the time at which the bag was written was taken"
+    wrong = _wrong(stamp.values) if stamp is not None else ""
+    written = stream.column("%time").values
+    if stream.time == "field.header.stamp" and wrong and not _wrong(written):
+        text = f"{wrong}; the time at which the bag was written was taken"
         log.repairs.append(Repair("header_stamp", WARNING, text, "log", "field.header.stamp"))
         stream.time = "%time"
         stream.clock = type(stream.clock)("column %time", stream.clock.start)
@@ -33,6 +37,26 @@ def finish(log: RawLog) -> None:
         if name in [c.name for c in stream.columns] and name != stream.time:
             stream.columns.remove(stream.column(name))
             log.ignored[name] = "is not the clock that was taken"
+
+
+def _wrong(stamps: Array) -> str:
+    """What makes the stamps of messages no clock, empty where they are one."""
+    if not np.any(stamps):
+        return "all header stamps are alike"
+    back = int(np.sum(np.diff(stamps) < 0))
+    return f"the header stamps go back {times(back)}" if back else ""
+
+
+def nested(names: Sequence[tuple[str, str]], hollow: Sequence[int]) -> list[tuple[str, str]]:
+    """Names of a bag as CSV, where empty columns name the messages whose fields follow."""
+    path: list[str] = []
+    made = []
+    for k, (name, unit) in enumerate(names):
+        plain = name.partition(" #")[0]
+        if k in hollow:
+            path = [*path, plain] if k - 1 in hollow else [plain]
+        made.append((name if k in hollow else ".".join([*path, plain]), unit))
+    return made
 
 
 def _use_covariances(stream: RawStream, log: RawLog) -> None:
