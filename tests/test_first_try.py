@@ -378,3 +378,13 @@ def test_beside_decimal_points_a_comma_is_none(read):
     made = read("t (s),u (V),temp (C)\n" + rows(50, lambda i: i / 8, lambda i: f'"20,{i % 7}"'))
     assert [*channels(made)] == ["u_V"]
     assert left_out(made)["temp"].reason == "holds text such as '20,0'"
+
+
+def test_an_attitude_beyond_radians_is_in_degrees(read):
+    head = "t (s),roll,pitch,yaw\n"
+    made = read(head + rows(90, lambda i: i, lambda i: i / 30, lambda i: 2 * i))
+    assert middle(made, "roll_rad") == pytest.approx(np.radians(44.5))
+    assert "attitude" in rules(made)
+    for size in (0.01, 3.0):  # what may be radians, and what may be turns that were added up
+        with pytest.raises(InputError, match="no unit is known"):
+            read(head + rows(90, lambda i, s=size: s * i, lambda i: i / 90, lambda i: i))

@@ -18,12 +18,12 @@ from simcompare.hardware.conditioning.clock import (
 )
 from simcompare.hardware.conditioning.strict import refused
 from simcompare.hardware.conditioning.units import (
+    attitude,
     gravity,
     inertial,
     left_out,
     naming,
     plausible_units,
-    quaternion,
 )
 from simcompare.hardware.conditioning.values import (
     angle_wrap,
@@ -59,7 +59,7 @@ CHECKS: tuple[Callable[[Work], None], ...] = (
     angle_wrap.check,
     saturation.check,
     gravity.check,
-    quaternion.check,
+    attitude.check,
     plausible_units.check,
     inertial.check,
     truncated.check,
