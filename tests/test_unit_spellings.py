@@ -29,28 +29,32 @@ KNOWN = {
     "m/s": {
         1.0: "m/s|M/S|m s-1|m.s^-1|m·s⁻¹|mps|meters per second|m/sec",
         1 / 3.6: "km/h|kph|km/hr|kmh",
-        1e-3: "mm/s", 0.44704: "mph", 1852 / 3600: "knots|kt|kts", FOOT: "ft/s|feet per second",
+        1e-3: "mm/s|mms⁻¹", 1e-2: "cm/s|cms⁻¹|cms^-1", 1e3: "kms-1", 0.44704: "mph",
+         1852 / 3600: "knots|kt|kts", FOOT: "ft/s|feet per second",
     },
     "m/s**2": {
         1.0: "m/s2|m/s^2|m/s**2|m/s²|m·s⁻²|m.s-2|m s-2|m s^-2|m*s^-2|m/s/s|m/(s^2)|m/s^{2}|mpss"
-        "|meters per second squared|M/S^2",
+        "|meters per second squared|M/S^2|ms⁻²|ms-2|ms^-2|ms^{-2}|ms**-2|ms2|ms^2",
         G: "g_0|g0|gee", G / 1e3: "mg_0|millig_0|mgee", G / 1e6: "ug_0", 0.01: "Gal|cm/s2",
         1e-5: "mGal", FOOT: "ft/s^2", 1e-3: "mm/s^2",
     },
     "rad": {
         1.0: "rad|Radians|radian", 1e-3: "mrad", DEG: "deg|°|º|˚|Grad|degrees|Deg",
-        DEG / 1e3: "mdeg|m°",
+        DEG / 1e3: "mdeg|m°", math.pi / 200: "gon",
         2 * math.pi: "turn|turns|rev|revolutions", DEG / 60: "arcmin", DEG / 3600: "arcsec",
     },
     "rad/s": {
-        1.0: "rad/s|rad s-1|rad.s^-1|radians per second|RAD/S", 1e-3: "mrad/s",
-        DEG: "deg/s|°/s|º/s|dps|DPS|deg/sec|Grad/s|°·s⁻¹|degrees per second|Â°/s",
+        1.0: "rad/s|rads⁻¹|rads-1|rad s-1|rad.s^-1|radians per second|RAD/S", 1e-3: "mrad/s",
+        DEG: "deg/s|degs^-1|°s⁻¹|°/s|º/s|dps|DPS|deg/sec|Grad/s|°·s⁻¹|degrees per second|Â°/s",
         DEG / 1e3: "mdeg/s|mdps|m°/s", DEG / 3600: "deg/h|°/h",
         RPM: "rpm|RPM|U/min|tr/min|r/min|rev/min|1/min|min^-1|min-1|min⁻¹|turn/min"
         "|u/min|UpM|Umdrehungen pro Minute|tours/min|revolutions per minute",
-        1e3 * RPM: "krpm", 2 * math.pi: "rps|rev/s|turn/s",
+        1e3 * RPM: "krpm", 2 * math.pi: "rps|rev/s|revs^-1|turn/s",
     },
-    "rad/s**2": {1.0: "rad/s²|rad/s^2", DEG: "deg/s^2|°/s²"},
+    "N/m": {1.0: "N/m|Nm⁻¹|N m^-1", 1e3: "N/mm|kN/m"},
+    "K/s": {1.0: "K/s|°C/s", 1 / 60: "K/min"}, "m/s**3": {1.0: "m/s³|m/s^3"},
+    "m**3/s": {1e-3: "l/s", 1e-3 / 60: "l/min|lpm|LPM|L/min"}, "kg*m**2/s": {1.0: "N m s|J*s"},
+    "rad/s**2": {1.0: "rad/s²|rads⁻²|rad/s^2", DEG: "deg/s^2|°/s²"},
     "N": {
         1.0: "N|Newton|newtons", 1e-3: "mN", 1e3: "kN", 10.0: "daN", G: "kgf|kp", G / 1e3: "gf",
         LBF: "lbf", OZF: "ozf",
@@ -77,7 +81,8 @@ KNOWN = {
         1e-7: "mgauss|milligauss",
     },
     "W": {1.0: "W|Watt|watts", 1e-3: "mW", 1e3: "kW", 735.49875: "PS"},
-    "J": {1.0: "J|Joules|Ws", 3600.0: "Wh", 3.6e6: "kWh", 1e-3: "mJ"},
+    "J": {1.0: "J|Joules|Ws", 3600.0: "Wh", 3.6e6: "kWh", 1e-3: "mJ", 4184.0: "kcal",
+          1.602176634e-19: "eV"},
     "Hz": {1.0: "Hz|hz|1/s|s^-1|s-1|s⁻¹", 1e3: "kHz|khz", 1e6: "MHz|Mhz", 1 / 60: "bpm"},
     "ohm": {1.0: "ohm|Ohm|Ω|Ω|ohms", 1e3: "kΩ|kOhm", 1e6: "MOhm|MΩ", 1e-3: "mOhm"},
     "kg": {1.0: "kg|Kg|kilogram", 1e-3: "gram|grams", 453.59237e-3: "pound"},
@@ -127,7 +132,7 @@ def test_degrees_of_fahrenheit_have_their_offset(text):
     "text",
     ["a", "k", "c", "e", "d", "t", "M", "Mg", "MS", "mS", "S", "S/s", "RH", "mhz", "MV", "U", "r",
      "tr", "year", "J/kg K", "W/m.K", "m/s-1", "rad/s)", "m)", "2m", "furlong", "gradian", "fps",
-     "cd"],
+     "cd", "As-1", "Nm2", "kg ms-2", "rpm-1"],
 )  # fmt: skip
 def test_what_may_be_anything_is_no_unit(text):
     with pytest.raises(InputError, match="is not a unit"):
@@ -142,6 +147,8 @@ def test_what_may_be_anything_is_no_unit(text):
         ("C", "degC or coulomb"), ("F", "degF or farad"), ("lb", "pound or lbf"),
         ("lbs", "pound or lbf"), ("oz", "ounce or ozf"), ("nm", "nanometer or N[*]m"),
         ("kn", "knot or kN"), ("gal", "Gal or gallon"),
+        ("ms⁻¹", "1/ms or m/s"), ("ms-1", "1/ms or m/s"), ("ms^-1", "1/ms or m/s"),
+        ("rads", "rad/s or rad"), ("degs", "deg/s or deg"), ("KN", "knot or kN"),
     ],
 )  # fmt: skip
 def test_a_spelling_of_two_units_is_asked_for_with_what_to_write(text, ways):
@@ -175,7 +182,9 @@ def test_what_counts_is_told_what_to_write(text, hint):
         ("load", "g", "gram"),
         ("T", "C", "degC"), ("m", "g", "gram"), ("F t", "kg", "kg"), ("F f", "kg", "kgf"),
         ("B", "mG", "mgauss"), ("T t", "nm", "N*m"), ("v", "ms", "m/s"), ("lap time", "ms", "ms"),
-        ("force", "kn", "kN"),
+        ("force", "kn", "kN"), ("F", "KN", "kN"), ("v2", "kn", "knot"),
+        ("v", "ms⁻¹", "m/s"), ("speed", "ms^-1", "m/s"), ("sample rate", "ms^-1", "ms^-1"),
+        ("angle", "rads", "rad"), ("omega", "rads", "rad/s"), ("gyro", "rads", "rads"),
         ("Drehzahl", "1/s", "turn/s"), ("omega", "1/s", "rad/s"), ("heart rate", "1/min", "bpm"),
         ("motor speed", "1/min", "1/min"), ("x", "g", "g"), ("x-axis", "mg", "mg"), ("n", "V", "V"),
     ],
@@ -206,6 +215,12 @@ def test_a_quantity_cannot_have_just_any_unit(name, si):
 )  # fmt: skip
 def test_what_a_sensor_gives_besides_is_not_refused(name, si):
     assert quantity.contradiction(name, si) == ""
+
+
+@pytest.mark.parametrize("text", ["Hz/s", "1/s²", "m/rev"])
+def test_an_angle_is_neither_added_nor_lost(text):
+    with pytest.raises(InputError, match="has no place here"):
+        units.si_of(text, "here")
 
 
 @pytest.mark.parametrize(

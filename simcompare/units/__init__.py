@@ -54,6 +54,11 @@ UNITS_BY_SUFFIX = {
     "_T": "tesla",
     "_m3": "m**3",
     "_kg_m_s": "kg*m/s",
+    "_N_per_m": "N/m",
+    "_K_s": "K/s",
+    "_m_s3": "m/s**3",
+    "_m3_s": "m**3/s",
+    "_kg_m2_s": "kg*m**2/s",
 }
 
 _WANTED = "a unit such as m, s, m/s^2, deg/s, V, or 1 for a plain number"
@@ -62,8 +67,8 @@ _USUAL = (
     "m", "mm", "cm", "km", "s", "ms", "us", "ns", "min", "h", "kg", "g_0", "mg_0", "m/s", "mm/s",
     "km/h", "m/s^2", "mm/s^2", "rad", "mrad", "deg", "rad/s", "deg/s", "deg/s^2", "rad/s^2",
     "turn/s", "turn/min", "N", "mN", "kN", "N*m", "N*mm", "N*cm", "mN*m", "Pa", "hPa", "kPa", "bar",
-    "mbar", "V", "mV", "A", "mA", "uA", "K", "degC", "Hz", "kHz", "MHz", "T", "mT", "uT", "W", "mW",
-    "kW", "J", "ohm", "percent",
+    "mbar", "MPa", "N/m", "V", "mV", "A", "mA", "uA", "K", "degC", "Hz", "kHz", "MHz", "T", "mT",
+    "uT", "W", "mW", "kW", "J", "ohm", "percent",
 )  # fmt: skip
 #: units of which a multiple is read without pint, whose import takes longer than a scenario's
 _PLAIN = {"m": "m", "s": "s", "g": "kg", "N": "N", "V": "V", "A": "A", "Hz": "Hz", "W": "W",
@@ -265,11 +270,16 @@ def _not_a_unit(text: str) -> str:
     none = table.NO_UNITS.get(bare.partition("/")[0])
     if none:
         return f"{bare!r} cannot be converted: {none}"
-    near = [unit for unit in _USUAL if unit.lower() == bare.lower()] or (
-        difflib.get_close_matches(bare, _USUAL, n=1, cutoff=0.6) if len(bare) > 1 else []
+    near = nearest(bare) or next(
+        iter(difflib.get_close_matches(bare, _USUAL, n=1, cutoff=0.6) if len(bare) > 1 else ()), ""
     )
-    hint = f"did you mean {near[0]}? E" if near else "e"
+    hint = f"did you mean {near}? E" if near else "e"
     return f"{text!r:.60} is not a unit; {hint}xpected {_WANTED}"
+
+
+def nearest(text: str) -> str:
+    """The usual unit that differs from a text by capitals alone, empty where there is none."""
+    return next((unit for unit in _USUAL if unit.lower() == text.strip().lower()), "")
 
 
 def _si_unit(unit: Any, *, is_angle: bool, is_energy: bool) -> str | None:  # noqa: ANN401
@@ -281,13 +291,12 @@ def _si_unit(unit: Any, *, is_angle: bool, is_energy: bool) -> str | None:  # no
     if not fitting:
         return None
     # a turn and a number, a torque and an energy, have the same dimension
-    angles = [si for si in fitting if si.startswith("rad")]
     plain = [si for si in fitting if "rad" not in si]
-    if is_angle and angles:
-        return angles[0]
+    if is_angle:
+        return next((si for si in fitting if "rad" in si), None)
     if is_energy and "J" in plain:
         return "J"
-    return (plain or fitting)[0]
+    return plain[0] if plain else None
 
 
 def suffix_for(si_unit: str) -> str:

@@ -23,6 +23,11 @@ _PREFIXED = re.compile(
     "(nano|micro|mikro|milli|centi|zenti|deci|dezi|hecto|hekto|kilo|mega|giga)(.{3,})", re.I
 )
 _ENGLISH = {"mikro": "micro", "zenti": "centi", "dezi": "deci", "hekto": "hecto"}
+#: a metre and a second written as one word, as in ms⁻¹; the power is that of the second alone
+_GLUED = re.compile(
+    r"(?P<per>rads?|degs?|°|revs?|turns?|km|cm|mm|m|N)(?P<below>[sm])(?:\^|\*\*)?"
+    r"[{(]?[-−](?P<power>[12])[})]?"
+)
 _TOKEN = re.compile(
     r"(?P<word>[A-Za-zèμΩ°%‰″]+(?:_[0n]|(?<=g)0)?)"
     r"(?:(?:\*\*|\^)?[{(]?(?P<power>[-−+]?\d)[})]?(?![\w.]))?"
@@ -50,7 +55,17 @@ def plain(text: str) -> str:
     for pattern, instead in _ALIKE:
         text = re.sub(pattern, instead, text, flags=re.IGNORECASE)
     text = " ".join(unicodedata.normalize("NFKC", text).split()).rstrip(".")
-    return table.SAME.get(text, text)
+    return table.SAME.get(text) or _apart(text)
+
+
+def _apart(text: str) -> str:
+    """``cms⁻¹`` as ``cm/s``; ``ms⁻¹``, which may be a metre a second, in one way of writing."""
+    match = _GLUED.fullmatch(text)
+    if match is None or (match["per"] == "N") != (match["below"] == "m"):
+        return text
+    power = "" if match["power"] == "1" else "^2"
+    per_millisecond = match["per"] == "m" and not power
+    return "ms^-1" if per_millisecond else f"{match['per']}/{match['below']}{power}"
 
 
 def ways(text: str) -> tuple[str, ...]:
@@ -124,9 +139,16 @@ def _parts(text: str) -> list[tuple[str, int]]:
             name, power = _atom(match["word"]), int((match["power"] or "1").replace("−", "-"))
             if name is None or not power or (divided and (not below or power < 0)):
                 return []  # what stands behind J/kg K is above or below the line
+            if power != 1 and _is_two(match["word"], name):
+                return []
             parts.append((name, -power if below != outer else power))
             below = False
     return parts
+
+
+def _is_two(word: str, name: str) -> bool:
+    """Whether a power may belong to the last letter alone: ``Nm2``, ``ms-1``, ``rads-1``."""
+    return "*" in name or "/" in name or (word[-1] == "s" and _atom(word[:-1]) is not None)
 
 
 def _unit(parts: list[tuple[str, int]]) -> Unit:

@@ -44,7 +44,7 @@ WORDS = {
     "turn": "U u tr r turns tour tours rev revs revolution revolutions rot umdr umdrehung"
     " umdrehungen", "standard_gravity": "g0 gn gees g_n gforce",
     "percent": "% pct percent prozent pourcent %rh %rf rh%", "permille": "‰ permille",
-    "ppm": "ppm με microstrain ustrain", "degree_Celsius": "°C degC oC celsius",
+    "ppm": "ppm με microstrain ustrain", "grade": "gon", "degree_Celsius": "°C degC oC celsius",
     "degree_Fahrenheit": "°F degF fahrenheit", "inch": "in inch inches", "foot": "ft foot feet",
     "yard": "yd yard yards", "mile": "mi mile miles", "knot": "kt kts knot knots",
     "force_pound": "lbf", "force_ounce": "ozf", "force_kilogram": "kp kilopond",
@@ -59,6 +59,7 @@ WORDS = {
     "(force_pound*inch)": "inlb inlbs lbin inlbf lbfin",
     "(force_pound*foot)": "ftlb ftlbs lbft ftlbf lbfft", "gallon": "gallon gallons",
     "liter": "liter liters litre litres",
+    "(liter/minute)": "lpm", "kilocalorie": "kcal", "electron_volt": "eV",
     "coulomb": "coulomb", "farad": "farad", "nanometer": "nanometer", "milligram": "milligram",
     "microgram": "microgram",
 }  # fmt: skip
@@ -67,6 +68,7 @@ SAME = {
     "lbs": "lb", "LBS": "lb", "Lbs": "lb", "LB": "lb", "pounds": "lb", "ounces": "oz", "g's": "g",
     "G's": "g", "μg": "ug", "gs": "g", "Gs": "G", "mGs": "mG", "NM": "nm", "M/s": "m/s",
     "M/s2": "m/s2", "M/s^2": "m/s2",
+    "KN": "kn", "ms2": "m/s2", "ms^2": "m/s2",
 }  # fmt: skip
 #: spelling with several meanings -> how each is written without doubt
 AMBIGUOUS = {
@@ -74,6 +76,8 @@ AMBIGUOUS = {
     "G": ("g_0", "gauss"), "mG": ("mg_0", "mgauss"), "C": ("degC", "coulomb"),
     "F": ("degF", "farad"), "lb": ("pound", "lbf"), "oz": ("ounce", "ozf"),
     "nm": ("nanometer", "N*m"), "kn": ("knot", "kN"), "gal": ("Gal", "gallon"),
+    "ms^-1": ("1/ms", "m/s"), "rads": ("rad/s", "rad"), "degs": ("deg/s", "deg"),
+    "revs": ("turn/s", "turn"),
 }  # fmt: skip
 #: what they are called in words
 SPOKEN = {
@@ -101,8 +105,8 @@ NO_UNITS = {
 }  # fmt: skip
 #: what says that a number has no unit
 PLAIN = ("", "1", "-", "–", "—", "none", "None", "bool", "boolean", "unitless", "dimensionless")
-ANGLES = ("radian", "degree", "turn", "arcminute", "arcsecond")
-ENERGIES = ("joule", "watt*hour", "watt*second")
+ANGLES = ("radian", "degree", "grade", "turn", "arcminute", "arcsecond")
+ENERGIES = ("joule", "watt*hour", "watt*second", "calorie", "electron_volt")
 #: alone they have an offset, in products they are differences
 TEMPERATURES = {
     "degree_Celsius": "delta_degree_Celsius", "degree_Fahrenheit": "delta_degree_Fahrenheit",

@@ -100,7 +100,8 @@ def conversion(
         if wish:
             work.fault(wrong, channel=column.name)
         several = units.ways(unit)
-        return left_out(column, name, wrong, several[-1] if len(several) > 1 else "1")
+        likely = several[-1] if len(several) > 1 else units.nearest(unit) or "1"
+        return left_out(column, name, wrong, likely)
     wrong = "" if wish or column.defined else quantity.contradiction(column.name, si_unit)
     if wrong:
         return left_out(column, name, wrong, unit)

@@ -25,7 +25,6 @@ _WORDS = {
     ("kg",): "mass masse",
     ("kg", "N"): "weight gewicht poids",
     ("rad",): "angle winkel roll yaw heading azimuth",
-    ("rad", "m"): "position pos",
     ("m/s**2", "rad/s**2"): "acceleration accelerations accel accelerometer beschleunigung linacc"
     " ax ay az accx accy accz",
     ("m/s**2", "rad/s**2", "m"): "acc",
@@ -40,6 +39,8 @@ _WORDS = {
     ("W",): "power leistung puissance",
     ("J", "A*s"): "energy energie",
     ("A*s",): "charge ladung",
+    ("m**3/s",): "flow durchfluss volumenstrom",
+    ("rad", "m"): "position pos pitch",
 }  # fmt: skip
 #: SI units of what is called by one letter or a Greek one, as written
 _SYMBOLS = {
@@ -63,7 +64,7 @@ _QUANTITY = {word: si for si, words in _WORDS.items() for word in words.split()}
 #: (a voltage, a current, a plain number) and what belongs to a sample (a time) fits to any name
 _JUDGED = frozenset(
     ("K", "N*m", "N", "Pa", "kg", "rad", "m", "m/s**2", "rad/s", "m/s", "tesla", "J", "W", "H",
-     "A*s", "kg*m/s", "m**2", "m**3")
+     "A*s", "kg*m/s", "m**2", "m**3", "N/m", "m**3/s", "m/s**3", "K/s", "rad/s**2")
 )  # fmt: skip
 #: words that make another quantity of one, or that mean two things
 _OTHERWISE = frozenset(
@@ -193,7 +194,7 @@ def possible(name: str) -> frozenset[str]:
 
 def _of_symbol(name: str) -> frozenset[str]:
     """SI units of what is called by one letter."""
-    parts = name.split()
+    parts = [part.rstrip("0123456789") for part in name.split()] or [""]
     alike = len({part.lower() for part in parts}) == 1
     return frozenset(_SYMBOLS.get(parts[0], ()) if alike else ())
 
@@ -221,7 +222,6 @@ def _rate(name: str, unit: str) -> str:
 
 
 def si_of(unit: str) -> str:
-    """The SI unit of what is in a unit, empty where that is none."""
     """The SI unit of what is in a unit, empty where that is none."""
     try:
         return units.si_of(unit, "")[2]
