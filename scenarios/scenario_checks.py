@@ -146,10 +146,6 @@ def _impossible_drives(scenario: Scenario) -> Faults:
 
 def _without_effect(scenario: Scenario) -> Faults:
     """What would be read and left out by every engine, so that nobody counts on it."""
-    for kind in ("bodies", "joints", "actuators", "sensors", "inputs"):
-        for name in getattr(scenario, kind):
-            if "." in name:
-                yield f"{kind}.{name}", "a name has no dot; that comes before the signal"
     used = {actuator.input for actuator in scenario.actuators.values()}
     for name in scenario.inputs:
         if name not in used:

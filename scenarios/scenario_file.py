@@ -19,6 +19,7 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.signals import Signal
 from simcompare.model.tabled import Tabled
 from simcompare.model.uncertain import Uncertain
+from simcompare.model.words import Name, steering
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 from simcompare.scenarios.scenario_checks import faults_between_parts
 from simcompare.scenarios.tabled_faults import tabled_faults
@@ -71,7 +72,7 @@ class Preset(BaseModel):
 
 class _Head(BaseModel):
     parameters: Mapping[str, Parameter] = Field(default_factory=dict)
-    presets: Mapping[str, Preset] = Field(default_factory=dict)
+    presets: Mapping[Name, Preset] = Field(default_factory=dict)
     fit: Fittable | None = None
     uncertainty: Uncertain | None = None
     table: Tabled | None = None
@@ -296,6 +297,7 @@ def _read_with_bases(
         raise InputError(
             str(path), ["the file is not a mapping; expected keys such as name, bodies"]
         )
+    faults.update(steering(tree))
     if EXTENDS not in tree:
         return tree, lines, faults, ()
     told = tree.pop(EXTENDS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,7 @@ from simcompare.model.rotations import matrix_of, rotate
 from simcompare.model.scenario import Body, Contact, DcMotor, Scenario
 from simcompare.model.shapes import Plane, Quaternion, Vector
 from simcompare.model.signals import Signal
+from simcompare.model.words import one_line
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,8 @@ def finish(root: ET.Element, scenario: Scenario, format: str, left_out: Sequence
         lines.append(f"Parameters: {', '.join(values)}")
     if left_out:
         lines += ["Not in this file, or only nearly:", *(f"* {text}" for text in left_out)]
-    text = "\n  ".join(lines).replace("--", "- -")  # XML forbids two hyphens in a comment
+    # XML forbids two hyphens in a comment, and some signs anywhere
+    text = "\n  ".join(re.sub("-(?=-)", "- ", one_line(line)) for line in lines)
     root.insert(0, ET.Comment(f"\n  {text}\n"))
     ET.indent(root)
     return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
@@ -158,7 +161,7 @@ def check_names(scenario: Scenario, format: str, reserved: Sequence[str]) -> Non
     faults = [
         f"{name!r} cannot be the name of anything in {format.upper()}; give it another"
         for name in names
-        if name in reserved or not name or not name.isprintable() or _is_special(name)
+        if name in reserved or _is_special(name)
     ]
     if faults:
         raise InputError(f"{scenario.name}, --format {format}", faults)
@@ -166,7 +169,7 @@ def check_names(scenario: Scenario, format: str, reserved: Sequence[str]) -> Non
 
 def _is_special(name: str) -> bool:
     """Whether SDF gives a name a meaning of its own."""
-    return "::" in name or (name.startswith("__") and name.endswith("__"))
+    return name.startswith("__") and name.endswith("__")
 
 
 # --- what formats cannot hold -----------------------------------------------------------------

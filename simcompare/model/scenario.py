@@ -19,6 +19,7 @@ from simcompare.model.shapes import Frozen, Nonnegative, Pose, Shape, Vector, no
 from simcompare.model.signals import Signal
 from simcompare.model.trajectory import BODY_SIGNALS
 from simcompare.model.validity import Condition
+from simcompare.model.words import Line, Name
 
 #: samples of one run; more fill the memory of an ordinary machine
 MAX_SAMPLES = 1e7
@@ -237,7 +238,7 @@ class Probe(Frozen):
     observe: str = Field(description="signal, for example ball.position_m")
     component: int | None = Field(None, ge=0, le=3)
     offset: float = 0.0
-    label: str
+    label: Line
     unit: str
 
 
@@ -253,7 +254,7 @@ class Measure(Frozen):
     probe: str
     also: Mapping[str, str] = Field(default_factory=dict)
     options: Mapping[str, float] = Field(default_factory=dict)
-    names: Mapping[str, str] = Field(default_factory=dict)
+    names: Mapping[str, Name] = Field(default_factory=dict)
 
     def name_of(self, value: str) -> str:
         """What the scenario calls a value that the function measures."""
@@ -330,17 +331,17 @@ class Scenario(Frozen):
     """
 
     name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=100)  # it names a folder
-    title: str
-    question: str = Field(description="what the reader of a report wants to know")
+    title: Line
+    question: Line = Field(description="what the reader of a report wants to know")
     parameters: Mapping[str, float] = Field(default_factory=dict)
     world: World
-    bodies: Mapping[str, Body] = Field(min_length=1)
-    joints: Mapping[str, Joint] = Field(default_factory=dict)
-    actuators: Mapping[str, Actuator] = Field(default_factory=dict)
-    sensors: Mapping[str, Sensor] = Field(default_factory=dict)
+    bodies: Mapping[Name, Body] = Field(min_length=1)
+    joints: Mapping[Name, Joint] = Field(default_factory=dict)
+    actuators: Mapping[Name, Actuator] = Field(default_factory=dict)
+    sensors: Mapping[Name, Sensor] = Field(default_factory=dict)
     contacts: tuple[Contact, ...] = ()
-    inputs: Mapping[str, Signal] = Field(default_factory=dict)
-    probes: Mapping[str, Probe] = Field(default_factory=dict)
+    inputs: Mapping[Name, Signal] = Field(default_factory=dict)
+    probes: Mapping[Name, Probe] = Field(default_factory=dict)
     measures: tuple[Measure, ...] = ()
     tolerances: Mapping[str, Tolerance] = Field(default_factory=dict)
     dither: Dither | None = None

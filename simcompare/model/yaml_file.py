@@ -159,7 +159,7 @@ def _model_at(kind: Any, loc: tuple[int | str, ...]) -> type[BaseModel]:  # noqa
 
 def _place_of(loc: tuple[int | str, ...]) -> list[str]:
     """Place in the file, without the kinds of parts that pydantic adds as if they were places."""
-    parts = [str(part) for part in loc]
+    parts = [str(part) for part in loc if part != "[key]"]
     if parts[:1] in (["actuators"], ["inputs"]) and len(parts) > 2:
         del parts[2]
     if "shapes" in parts[2:] and len(parts) > parts.index("shapes", 2) + 2:

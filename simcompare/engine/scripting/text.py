@@ -6,6 +6,8 @@ import keyword
 import re
 from collections.abc import Sequence
 
+from simcompare.model.words import one_line
+
 #: longest line that is written
 WIDTH = 100
 #: a line may be broken before these
@@ -34,6 +36,11 @@ def unused(wanted: str, taken: set[str]) -> str:
         tried += 1
         name = f"{identifier(wanted)}_{tried}"
     return name
+
+
+def in_docstring(text: str) -> str:
+    """A text as it stands between triple quotes: neither ends them, nor is code."""
+    return one_line(text).replace("\\", "\\\\").replace('"""', "'''")
 
 
 def called(call: str, args: Sequence[str]) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from simcompare import notation, units
 from simcompare.engine.backend import Backend
 from simcompare.engine.scripting.contract import RESERVED, Parts, Plan, joint_parts
-from simcompare.engine.scripting.text import WIDTH, filled, number, unused
+from simcompare.engine.scripting.text import WIDTH, filled, in_docstring, number, unused
 from simcompare.exporters.scripts.expected import Expected
 from simcompare.exporters.scripts.measuring import Measuring
 from simcompare.exporters.scripts.snippets import SNIPPETS
@@ -20,6 +20,8 @@ from simcompare.model.trajectory import BODY_SIGNALS, Array
 MAX_LINES = (60, 120)
 #: longest expression that is printed as it is
 _MAX_LENGTH = 32
+#: what begins and ends the text at the head
+_END = '"""'
 #: what a contact level is
 _LEVELS = {
     "default": "as it comes",
@@ -164,9 +166,16 @@ def _head(name: str, engine: Backend, plan: Plan, stored: Mapping[str, Array]) -
             f" {dither.parameter}."
         )
     notes = _tuning_notes(plan)
-    while len(lines := textwrap.wrap(f'{" ".join([text, *notes])}"""', WIDTH)) > 3 and notes:
+    while len(lines := _wrapped([text, *notes])) > 3 and notes:
         notes.pop()
-    return [f'"""{title}.', *([] if len(lines) > 2 else [""]), *lines, ""]
+    return [f"{_END}{in_docstring(title)}.", *([] if len(lines) > 2 else [""]), *lines, ""]
+
+
+def _wrapped(sentences: Sequence[str]) -> list[str]:
+    """The last lines of the text at the head."""
+    lines = textwrap.wrap(f"{' '.join(sentences)}{_END}", WIDTH, break_long_words=False)
+    lines[-1] = lines[-1].removesuffix(_END)
+    return [*map(in_docstring, lines[:-1]), in_docstring(lines[-1]) + _END]
 
 
 def _tuning_notes(plan: Plan) -> list[str]:
