@@ -95,3 +95,17 @@ def test_a_hostile_scenario_is_told_of_in_plain_signs(tmp_path, monkeypatch, wor
     more = [] if verb == "list" else [folder]
     options = [f"--engine=no{EVIL}"] if options == ["--engine"] else options
     assert is_clean(seen(verb, *more, *options, cwd=tmp_path))
+
+
+def test_a_closed_output_is_told_where_the_result_is():
+    code = (
+        "from simcompare.cli import streams\n"
+        "streams.keep()\n"
+        "with streams.readers_may_leave(0, 'stored in runs/7'): print('the answer')\n"
+    )
+    command = ["sh", "-c", 'exec "$0" -c "$1" >&-', sys.executable, code]
+    done = subprocess.run(
+        command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, check=False,
+        env={**os.environ, "PYTHONPATH": ROOT},
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, b"simcompare: stored in runs/7\n")

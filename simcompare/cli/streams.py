@@ -45,6 +45,8 @@ def readers_may_leave(exit_code: int = 0, note: str = "") -> Iterator[None]:
     try:
         yield
         sys.stdout.flush()
+        if isinstance(sys.stdout, _Nowhere) and note:
+            typer.echo(f"simcompare: {note}", err=True)
     except OSError as error:
         if error.errno not in (*_FULL, *_GONE):
             raise
@@ -100,6 +102,13 @@ class Steering:
         return getattr(self._stream, name)
 
 
+class _Nowhere(io.TextIOWrapper):
+    """Where text goes that the caller has closed the output for."""
+
+    def __init__(self) -> None:
+        super().__init__(Path(os.devnull).open("wb"), "utf-8")  # noqa: SIM115
+
+
 class _Forgiving(io.FileIO):
     """A file that loses what it cannot take: where errors cannot be told, exit codes still hold."""
 
@@ -112,10 +121,10 @@ class _Forgiving(io.FileIO):
 
 def keep() -> None:
     """Streams that can always be written to, also where the caller has closed them."""
-    sys.stdout = sys.stdout or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    sys.stdout = sys.stdout or _Nowhere()
     given = sys.__stderr__
     if given is None:
-        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+        sys.stderr = _Nowhere()
     elif sys.stderr is given:
         raw = _Forgiving(given.fileno(), "w", closefd=False)
         sys.stderr = _Escaping(
