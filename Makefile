@@ -9,7 +9,7 @@ engines := $(subst $(comma), ,$(ENGINES))
 # one stamp for every choice of engines
 INSTALLED := $(VENV)/.installed-$(subst $(comma),-,$(ENGINES))
 
-.PHONY: run test bench lint clean
+.PHONY: run test lab bench lint clean
 
 # sets up and runs the main job
 run: $(INSTALLED)
@@ -22,6 +22,10 @@ test: $(INSTALLED)-test
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -n 2
 
+# sets up and opens the lab to everybody in the room
+lab: $(INSTALLED)-web
+	$(BIN)/simcompare lab --share
+
 # cost beside each engine's own bare loop, as ratios; never part of the tests
 bench: $(INSTALLED)-test
 	$(BIN)/python -m pytest tests/benchmarks --benchmark-enable --benchmark-only -p no:xdist -q
@@ -33,11 +37,15 @@ $(INSTALLED): pyproject.toml tools/install.py $(BIN)/pip
 	@$(BIN)/python tools/install.py $(ENGINES) $(if $(filter all,$(ENGINES)),hardware)
 	@touch $@
 
+$(INSTALLED)-web: $(INSTALLED)
+	@$(BIN)/python tools/install.py $(ENGINES) web
+	@touch $@
+
 $(INSTALLED)-test: pyproject.toml tools/install.py $(BIN)/pip
 	@$(BIN)/python tools/install.py $(ENGINES) check
 	@$(libraries)
 	@$(checker)
-	@$(BIN)/python tools/install.py $(ENGINES) hardware test
+	@$(BIN)/python tools/install.py $(ENGINES) hardware web test
 	@touch $@
 
 # Debian and Ubuntu keep venv in a package of its own; Ubuntu 22.04 keeps a newer Python beside its own

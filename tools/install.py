@@ -20,7 +20,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PIP = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
 #: what an extra is, for people
-MEANING = {"hardware": "readers of logs", "test": "tools of the tests"}
+MEANING = {
+    "hardware": "readers of logs", "web": "the lab in the browser", "test": "tools of the tests",
+}  # fmt: skip
 #: time between two looks at how far a step is
 EVERY_S = 2.0
 PYTHON = f"{sys.version_info[0]}.{sys.version_info[1]}"
