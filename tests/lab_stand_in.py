@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from collections import Counter
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.lab import progress
@@ -42,7 +43,15 @@ def _long(_):
     time.sleep(1000)
 
 
+def _count(request):
+    """How often a worker was asked for this."""
+    _counts[request["of"]] += 1
+    return {"sentence": f"{request['of']} was counted {_counts[request['of']]} times"}
+
+
+_counts: Counter[str] = Counter()
 HOW = {
+    "count": _count,
     "fault": _fault,
     "unknown": _unknown,
     "broken": _broken,

@@ -29,8 +29,8 @@ class FakeDesk:
         pass
 
 
-def named(name):
-    return Job(name[0], Task("run", {"name": name}))
+def named(name, kind="run"):
+    return Job(name[0], Task(kind, {"name": name}))
 
 
 @pytest.fixture
@@ -92,6 +92,29 @@ def test_a_waiting_job_can_be_taken_out():
         assert waiting.place(second) == 1
 
     asyncio.run(withdraw())
+
+
+def test_one_worker_is_kept_free_of_long_jobs(monkeypatch):
+    class Busy(FakeDesk):
+        async def do(self, task, limit_s):
+            FakeDesk.done.append(task.request["name"])
+            if task.kind == "fit":
+                await asyncio.Event().wait()  # for ever
+            return Ending(b"{}")
+
+    monkeypatch.setattr(queue, "Desk", Busy)
+    FakeDesk.done = []
+
+    async def fits_and_a_run():
+        waiting = Queue(print, 2)
+        waiting.begin()
+        fits = [waiting.add(named(f"{group}0", "fit")) for group in "abc"]
+        await waiting.add(named("d0")).ended.wait()
+        assert [fit.state for fit in fits] == ["running", "waiting", "waiting"]
+        await waiting.end()
+
+    asyncio.run(fits_and_a_run())
+    assert FakeDesk.done == ["d0", "a0"] or FakeDesk.done == ["a0", "d0"]
 
 
 # ---- contents

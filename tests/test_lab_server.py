@@ -89,6 +89,16 @@ def test_all_faults_of_a_request_are_told_and_no_place_of_this_machine(client, f
     assert str(folder) not in json.dumps(told)
 
 
+def test_what_a_whole_class_asks_is_computed_once_and_kept_by_each(client):
+    first, second = (asked(client, group=name, how="count", of="x") for name in ("Tycho", "Brahe"))
+    assert first["result"] == second["result"] == {"sentence": "x was counted 1 times"}
+    assert first["id"] != second["id"]
+    assert asked(client, group="Tycho", how="count", of="y")["result"] != first["result"]
+    recording = sent(client, WAV).json()["id"]
+    again = asked(client, how="count", of="x", recording=recording)
+    assert again["result"] == {"sentence": "x was counted 2 times"}
+
+
 def test_a_job_that_takes_too_long_is_ended(client):
     told = asked(client, kind="report", how="long")
     assert told["faults"] == [

@@ -25,6 +25,10 @@ from simcompare.running import guard
 #: what a summary holds of a result and of its request
 _SUMMED, _ASKED = ("sentence", "files", "exit"), ("scenario", "recording", "engines", "engine")
 
+#: runs that are remembered; memory of a worker and of each of its engines
+_RUNS, _MEMORY_BYTES = 20, 4 * 2**30
+_runs: dict[str, dict[str, Any]] = {}
+
 #: what a job does: its kind and its request become a result
 Perform = Callable[[str, dict[str, Any]], dict[str, Any]]
 
@@ -106,6 +110,10 @@ class Desk:
         except BrokenProcessPool:
             await asyncio.to_thread(self._replace)
             return Ending(fault="died")
+        # the modules of the job's function may fail in any way when they are imported
+        except Exception:  # noqa: BLE001
+            traceback.print_exc()
+            return Ending(fault="broken")
 
     def _replace(self) -> None:
         self.end()
@@ -122,11 +130,20 @@ class Desk:
 def _enter(share: Any, pid: Any) -> None:  # noqa: ANN401
     """First of all in the worker: Ctrl-C reaches the server alone, whose end is ours, too."""
     os.setsid()
+    _limit_memory()
     parent = multiprocessing.parent_process()
     if parent is not None:
         guard.begin(parent.sentinel)
     progress.tell_to(share)
     pid.value = os.getpid()
+
+
+def _limit_memory() -> None:
+    """What a job and its engines may take; more ends the job and not the whole machine."""
+    import resource
+
+    with contextlib.suppress(OSError, ValueError):
+        resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY_BYTES, _MEMORY_BYTES))
 
 
 def _load(perform: Perform) -> None:
@@ -136,13 +153,15 @@ def _load(perform: Perform) -> None:
 def _do(perform: Perform, task: Task) -> Ending:
     """Does a job, in the worker."""
     try:
-        result = perform(task.kind, task.request)
+        result = _result(perform, task)
         if task.place is not None:
             _store(task, result)
             return Ending()
         return Ending(_written(result))
     except SimcompareError as error:
         return Ending(faults=_told(error, task.request))
+    except MemoryError:
+        return Ending(fault="died")
     except OSError as error:
         traceback.print_exc()
         return Ending(faults=(str(error.strerror or error),))
@@ -150,6 +169,19 @@ def _do(perform: Perform, task: Task) -> Ending:
     except (Exception, SystemExit):  # noqa: BLE001
         traceback.print_exc()
         return Ending(fault="broken")
+
+
+def _result(perform: Perform, task: Task) -> dict[str, Any]:
+    """The result of a job; a whole class that opens its page asks for the same run."""
+    if task.kind != "run" or task.request.get("recording") is not None:
+        return perform(task.kind, task.request)
+    asked = {name: value for name, value in task.request.items() if name not in ("folder", "id")}
+    key = json.dumps(asked, sort_keys=True)
+    if key not in _runs:
+        _runs[key] = perform(task.kind, task.request)
+    for oldest in [*_runs][:-_RUNS]:
+        del _runs[oldest]
+    return _runs[key]
 
 
 def _written(value: object) -> bytes:

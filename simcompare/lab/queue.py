@@ -15,6 +15,8 @@ from simcompare.lab.refusals import Refused
 WAITING, RUNNING, DONE, FAILED = "waiting", "running", "done", "failed"
 #: jobs that one group may have waiting, and all together; jobs that are remembered
 _OF_A_GROUP, _OF_ALL, _KEPT = 20, 1000, 5000
+#: kinds of jobs that take long: one worker is kept free of them, so that sliders answer at once
+LONG = ("fit", "report")
 #: longest time for a job [s]
 LIMIT_S = 120.0
 
@@ -121,7 +123,7 @@ class Queue:
             self._end(job, Ending(fault="withdrawn"))
 
     def place(self, job: Job) -> int:
-        """How many jobs begin before this one, itself counted; 0 where it has begun."""
+        """Its place in the row, the first is 1; 0 where it has begun."""
         if job not in self._waiting:
             return 0
         return self._order().index(job) + 1
@@ -136,13 +138,18 @@ class Queue:
 
     async def _serve(self, desk: Desk) -> None:
         while True:
-            while not self._waiting:
+            while (job := self._next(desk)) is None:
                 self._came.clear()
                 await self._came.wait()
-            job = self._order()[0]
             self._waiting.remove(job)
             self._served[job.group] = max(self._served.values(), default=0) + 1
             await self._run(job, desk)
+
+    def _next(self, desk: Desk) -> Job | None:
+        """The job whose turn it is at a desk."""
+        takes_all = desk is not self._desks[0] or len(self._desks) == 1
+        fitting = (job for job in self._order() if takes_all or job.task.kind not in LONG)
+        return next(fitting, None)
 
     async def _run(self, job: Job, desk: Desk) -> None:
         job.state, job.desk = RUNNING, desk
