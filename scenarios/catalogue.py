@@ -134,7 +134,7 @@ def reference_of(path: Path) -> Reference | None:
     digest = trust.require(source)
     from simcompare.scenarios import outside
 
-    return outside.reference(source.resolve(), digest)
+    return outside.reference(source.parent.resolve() / source.name, digest)
 
 
 def _reference_file(path: Path) -> Path:

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from simcompare import arguments
 from simcompare.engine.backend import Backend
 from simcompare.errors import InputError, SimcompareError
 from simcompare.model.signals import Signal
@@ -22,6 +23,7 @@ from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.running.jobs import OK, UNSUPPORTED, Inquiry, Reply
 from simcompare.running.process import EngineProcess, Inbox
 from simcompare.running.runner import TIME_LIMIT_S
+from simcompare.scenarios import sealed
 from simcompare.scenarios.reference_file import Reference, loaded
 
 #: bytes that a sample of all signals may have
@@ -36,6 +38,7 @@ class Evaluation:
 
     Attributes:
         file: the module.
+        digest: of the code that was said yes to.
         parameters: SI.
         time_s: times [s].
         inputs: signals.
@@ -43,13 +46,14 @@ class Evaluation:
 
     kind: ClassVar[type[Any]] = Trajectory
     file: Path
+    digest: str
     parameters: Mapping[str, float]
     time_s: Array
     inputs: Mapping[str, Signal]
 
     def __call__(self, backend: Backend | None = None) -> Trajectory:
         """What the code calculates; no engine is needed for it."""
-        found = _module(self.file)(self.parameters, self.time_s, self.inputs)
+        found = _module(self.file, self.digest)(self.parameters, self.time_s, self.inputs)
         signals = {str(name): np.asarray(values) for name, values in dict(found).items()}
         return Trajectory(TRUTH, self.time_s, signals)
 
@@ -75,9 +79,10 @@ class _Calculation(Inquiry[Trajectory]):
 
 
 @functools.cache
-def _module(file: Path) -> Reference:
+def _module(file: Path, digest: str) -> Reference:
     """The function of a module, in the process in which it is called."""
     sys.pycache_prefix, sys.dont_write_bytecode = _NOWHERE, True
+    sealed.seal(file, digest)
     return loaded(file)
 
 
@@ -86,11 +91,11 @@ class _Outside:
 
     Args:
         file: its module.
-        limit_s: longest time for one call [s].
+        digest: of the code that was said yes to.
     """
 
-    def __init__(self, file: Path, limit_s: float) -> None:
-        self._file, self._limit_s = file, limit_s
+    def __init__(self, file: Path, digest: str) -> None:
+        self._file, self._digest = file, digest
         self._process: EngineProcess | None = None
         #: the process answers one call after another, whichever threads they come from
         self._in_turn = threading.Lock()
@@ -98,7 +103,9 @@ class _Outside:
     def __call__(
         self, parameters: Mapping[str, float], time_s: Array, inputs: Mapping[str, Signal]
     ) -> dict[str, Array]:
-        ask = Evaluation(self._file, dict(parameters), np.array(time_s, dtype=float), dict(inputs))
+        ask = Evaluation(
+            self._file, self._digest, dict(parameters), np.array(time_s, dtype=float), dict(inputs)
+        )
         with self._in_turn:
             reply = self._asked(_Calculation(self._file.name, ask))
         if reply.value is None:
@@ -111,10 +118,11 @@ class _Outside:
             weakref.finalize(self, self._process.stop)
         process, inbox = self._process, Inbox()
         process.begin([job], inbox, is_last=False)
+        limit_s = arguments.time_limit_s(TIME_LIMIT_S)
         try:
-            arrived = inbox.get(timeout=self._limit_s)
+            arrived = inbox.get(timeout=limit_s)
         except queue.Empty:
-            reason = f"no answer within {self._limit_s:g} s; its process was ended"
+            reason = f"no answer within {limit_s:g} s; its process was ended"
             return job.failed(self._ended(process, reason))
         except BaseException:
             self._ended(process, "")
@@ -137,12 +145,11 @@ class _Outside:
 
 
 @functools.lru_cache(maxsize=4)
-def reference(file: Path, digest: str, limit_s: float = TIME_LIMIT_S) -> Reference:
+def reference(file: Path, digest: str) -> Reference:
     """The function ``reference`` of a module from elsewhere.
 
     Args:
         file: the module.
-        digest: of its code; other code is another function.
-        limit_s: longest time for one call [s].
+        digest: of the code that was said yes to; other code is another function.
     """
-    return _Outside(file, limit_s)
+    return _Outside(file, digest)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
+import threading
 import types
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -29,6 +30,7 @@ _ARGUMENTS = {
 }  # fmt: skip
 _OPTION = re.compile(r"simcompare [a-z]+ [^;\n]*|--(?P<option>[a-z]+(?:-[a-z]+)*)")
 _by_options: ContextVar[bool] = ContextVar("_by_options", default=False)
+_limit_s: ContextVar[float | None] = ContextVar("_limit_s", default=None)
 _WORDS: Mapping[Any, str] = {
     str: "text",
     Path: "a path",
@@ -57,13 +59,33 @@ def checked(function: Callable[Asked, Given]) -> Callable[Asked, Given]:
         if faults:
             raise InputError(function.__name__, faults)
         try:
-            return function(*args, **kwargs)
+            with _limited(given.get("time_limit_s")):
+                return function(*args, **kwargs)
         except SimcompareError as error:
             if not _by_options.get():
                 error.args = tuple(_in_python(str(arg), hints) for arg in error.args)
             raise
 
     return called
+
+
+def time_limit_s(usual_s: float) -> float:
+    """The longest time that the function in progress was told for one simulation [s].
+
+    Args:
+        usual_s: where it was told none.
+    """
+    return min(_limit_s.get() or usual_s, threading.TIMEOUT_MAX)
+
+
+@contextmanager
+def _limited(limit_s: Any) -> Iterator[None]:  # noqa: ANN401
+    """Keeps a time limit at hand for what is called; one that is none is told elsewhere."""
+    token = _limit_s.set(float(limit_s) if limit_s is not None and limit_s > 0 else _limit_s.get())
+    try:
+        yield
+    finally:
+        _limit_s.reset(token)
 
 
 @contextmanager

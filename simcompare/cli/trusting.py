@@ -16,13 +16,17 @@ def agreed(error: UntrustedCode) -> bool:
         return False
     from simcompare.scenarios import trust
 
-    trust.allow(error.source)
+    trust.remember(error.digest)  # to what was shown, not to what may lie there by now
     return True
 
 
 def _asked(error: UntrustedCode) -> bool:
-    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+    if not _is_on_a_terminal():
         return False
     typer.echo(f"{error.source} is code from elsewhere (SHA-256 {error.digest[:12]}).", err=True)
     question = "Did you read it, and may all Python files of its folder run, now and later?"
     return typer.confirm(question, err=True)
+
+
+def _is_on_a_terminal() -> bool:
+    return sys.stdin.isatty() and sys.stderr.isatty()
