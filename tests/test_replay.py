@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import shutil
+import subprocess
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -29,6 +30,7 @@ from simcompare.reports.render import film, matplotlib_replay, replay_page
 from simcompare.reports.render.meshes import Mesh, mesh_of, sheet
 from simcompare.reports.render.staging import Source, staged
 from simcompare.reports.run.replay import replay_of
+from simcompare.scenarios import catalogue
 from simcompare.verbs.result import Result
 
 SHAPES: TypeAdapter[Shape] = TypeAdapter(Shape)
@@ -145,16 +147,16 @@ def test_a_run_without_a_scene_has_no_player(run: Result, tmp_path: Path) -> Non
 
 
 def test_a_body_is_drawn_by_its_visual_and_simulated_by_its_shapes() -> None:
-    robot = simcompare.scenarios.catalogue.load("robot").resolve()
+    robot = catalogue.load("robot").resolve()
     wheel = robot.bodies["left_wheel"]
     assert [shape.type for shape in wheel.shapes] == ["sphere"]
     assert [shape.type for shape in wheel.seen] == ["cylinder", "box"]
 
 
-@pytest.mark.parametrize("name", simcompare.scenarios.catalogue.names())
+@pytest.mark.parametrize("name", catalogue.names())
 def test_a_scenario_can_be_seen(name: str) -> None:
     """With all its presets; bodies that only carry others may stay unseen."""
-    file = simcompare.scenarios.catalogue.load(name)
+    file = catalogue.load(name)
     for values in [{}, *(preset.set for preset in file.presets.values())]:
         scene = drawn(file.resolve(dict(values)))
         moving = [body for body in scene.values() if not body.fixed]
@@ -163,7 +165,7 @@ def test_a_scenario_can_be_seen(name: str) -> None:
 
 
 def test_engines_never_see_how_a_body_is_drawn() -> None:
-    file = simcompare.scenarios.catalogue.load("pendulum")
+    file = catalogue.load("pendulum")
     scenario = file.resolve()
     bare = scenario.model_copy(
         update={
@@ -310,3 +312,46 @@ def test_paper_shows_the_scene(run: Result) -> None:
         for axes in page.axes
         for picture in axes.images
     )
+
+
+def _show(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "simcompare", "show", *words]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_show_draws_the_scene(tmp_path: Path) -> None:
+    place = tmp_path / "scene.png"
+    done = _show("ball", "--json", "--picture", str(place))
+    assert json.loads(done.stdout)["is_visible"]
+    assert f"Picture: {place}" in done.stderr
+    with Image.open(place) as picture:
+        assert picture.format == "PNG"
+    refused = _show("ball", "--picture", str(tmp_path / "scene.jpg"))
+    assert refused.returncode == 2
+    assert "a picture is a PNG file" in refused.stderr
+
+
+def test_a_notebook_shows_the_scene() -> None:
+    assert "data:image/png;base64," in simcompare.show("cube_toss")._repr_html_()
+
+
+def test_a_scene_that_nobody_sees_is_told(tmp_path: Path) -> None:
+    file = tmp_path / "bare.yaml"
+    file.write_text(
+        "name: bare\ntitle: Bare\nquestion: Is it seen?\nparameters: {}\n"
+        "world: {gravity_m_s2: [0, 0, 0], duration_s: 1, step_s: 0.01}\n"
+        "bodies: {point: {mass_kg: 1, inertia_kg_m2: [1, 1, 1]}}\n"
+        "probes: {x_m: {observe: point.position_m, component: 0, label: Place, unit: m}}\n"
+    )
+    facts = simcompare.show(file)
+    assert not facts.is_visible
+    assert "data:image" not in facts._repr_html_()
+    with pytest.raises(InputError, match="no body has shapes or visual"):
+        facts.plot()
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_the_page_of_a_scenario_begins_with_its_picture(name: str) -> None:
+    page = catalogue.load(name).path.with_name("README.md")
+    assert f"({name}.png)" in page.read_text(encoding="utf-8").split("```")[0]
+    assert page.with_name(f"{name}.png").stat().st_size < 60_000

@@ -7,7 +7,8 @@ The command runs beside the examples. What is shown begins with the first line t
 text, ends before the next one that holds the other, and has so many lines at most; each of the
 three may be left out.
 
-A figure of a lab page stands above the line that draws it, which a reader can type as well:
+A figure of a lab page, and of a scenario's, stands above the line that draws it, which a reader
+can type as well:
 ``*Drawn by* `simcompare.run("ball").plot("restitution")` ``.
 """
 
@@ -21,6 +22,8 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
+from PIL import Image
+
 ROOT = Path(__file__).resolve().parent.parent
 SHOWN = re.compile(
     r"<!-- shown: (?P<command>[^;]+?)(?:; from: (?P<start>[^;]+?))?(?:; until: (?P<end>[^;]+?))?"
@@ -29,13 +32,14 @@ SHOWN = re.compile(
 )
 
 DRAWN = re.compile(r"!\[[^\]]*\]\((?P<file>[^)]+)\)\n\*Drawn by\* `(?P<line>[^`]+)`")
-#: dots to the inch of the figures
-_DPI = 100
+#: dots to the inch of the figures, and their colours: a palette keeps the files small
+_DPI, _COLOURS = 100, 128
 
 
 def main() -> None:
     """Refreshes the pages that are named, or all."""
     every = [ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("docs/lab/*.md")]
+    every += ROOT.glob("scenarios/*/README.md")
     pages = [Path(name) for name in sys.argv[1:]] or every
     for page in pages:
         text = page.read_text(encoding="utf-8")
@@ -58,6 +62,8 @@ def draw(line: str, file: Path) -> None:
     done = beside_the_examples([sys.executable, "-c", script])
     if done.returncode:
         raise SystemExit(f"{line}\n{done.stderr}")
+    with Image.open(file) as drawn:
+        drawn.convert("RGB").quantize(_COLOURS).save(file, optimize=True)
 
 
 def beside_the_examples(words: list[str]) -> subprocess.CompletedProcess[str]:

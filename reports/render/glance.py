@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import functools
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,6 +37,8 @@ class Glance:
         table: the numbers.
         notes: what the reader must not miss, such as what did not run.
         figure: the picture.
+        scene: draws what the scene looks like, as the content of a PNG file; is asked where
+            pictures are shown.
         more: what else the object gives.
     """
 
@@ -47,6 +50,7 @@ class Glance:
     table: Table | None = None
     notes: tuple[str, ...] = ()
     figure: Figure | None = None
+    scene: Callable[[], bytes] | None = None
     more: str = ""
 
 
@@ -77,14 +81,19 @@ def _template() -> jinja2.Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(picture=_picture, width=_width, marked=_marked, printable=printable)
+    environment.filters.update(
+        picture=_picture, width=_width, address=_address, marked=_marked, printable=printable
+    )
     return environment.get_template("glance.html")
 
 
 def _picture(figure: Figure) -> str:
     """A figure as an address that holds its pixels."""
-    content = base64.b64encode(matplotlib_.shown(matplotlib_.canvas(figure)))
-    return f"data:image/png;base64,{content.decode()}"
+    return _address(matplotlib_.shown(matplotlib_.canvas(figure)))
+
+
+def _address(png: bytes) -> str:
+    return f"data:image/png;base64,{base64.b64encode(png).decode()}"
 
 
 def _width(figure: Figure) -> int:

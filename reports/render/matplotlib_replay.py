@@ -35,8 +35,13 @@ def still(replay: Replay, level: str) -> Canvas:
 
 def rendered(replay: Replay, level: str, dpi: int = DPI) -> bytes:
     """A still as the content of a PNG file."""
+    return png(still(replay, level), dpi)
+
+
+def png(page: Canvas, dpi: int = DPI) -> bytes:
+    """A picture as the content of a PNG file."""
     stream = io.BytesIO()
-    still(replay, level).savefig(stream, format="png", dpi=dpi, metadata={"Software": MADE_BY})
+    page.savefig(stream, format="png", dpi=dpi, metadata={"Software": MADE_BY})
     return stream.getvalue()
 
 
@@ -100,7 +105,7 @@ def _axes(page: Canvas, replay: Replay, actors: Sequence[Actor]) -> Any:  # noqa
     high[replay.across] += wider
     for axis, begin, end in zip("xyz", low, high, strict=True):
         getattr(axes, f"set_{axis}lim")(begin, end)
-        getattr(axes, f"set_{axis}label")(f"{axis} (m)")
+        getattr(axes, f"set_{axis}label")(f"{axis} (m)", labelpad=0 if axis == "z" else 8)
         share = (end - begin) / float(np.max(high - low))
         axes.locator_params(axis=axis, nbins=max(1, round(5 * share)))
     axes.set_box_aspect(high - low, zoom=_zoom(replay, high - low))
@@ -128,7 +133,7 @@ def _zoom(replay: Replay, size_m: Array) -> float:
     if not _faces(replay):
         return 1.25
     shares = size_m / np.linalg.norm(size_m)
-    return float(np.clip(min(0.74 / shares[2], 1.5 / shares[replay.across]), 1.0, 2.0))
+    return float(np.clip(min(0.74 / shares[2], 1.3 / shares[replay.across]), 1.0, 2.0))
 
 
 def _eye(replay: Replay) -> tuple[float, float]:

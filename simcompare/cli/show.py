@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import typer
@@ -17,6 +18,9 @@ def show(
     scenario: str = typer.Argument(
         help="Name, folder or file of a scenario.", autocompletion=complete.scenarios
     ),
+    picture: Path = typer.Option(
+        None, help="PNG file to write: the scene at several instants of its truth."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
     """Show what a scenario asks, its parameters and tolerances."""
@@ -24,6 +28,8 @@ def show(
     from simcompare.verbs.show import show as verb
 
     facts = verb(scenario)
+    if picture is not None:
+        _draw(facts, picture)
     if as_json:
         console.print_json(plain(facts))
         return
@@ -38,6 +44,17 @@ def show(
     else:
         more = f"simcompare show {facts.name} -v tells the presets, tolerances and the scene."
         console.print_wrapped([more])
+
+
+def _draw(facts: ScenarioFacts, place: Path) -> None:
+    """Writes what the scene looks like."""
+    from simcompare.errors import InputError
+    from simcompare.reports.render import matplotlib_replay, output
+
+    if place.suffix.lower() != ".png":
+        raise InputError("--picture", [f"{place} ends in no .png; a picture is a PNG file"])
+    content = matplotlib_replay.png(facts.plot())
+    typer.echo(f"Picture: {output.write(place, content, output.MARKS['png'])}", err=True)
 
 
 def _show_parameters(facts: ScenarioFacts) -> None:

@@ -5,20 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from simcompare import measures, units
 from simcompare.arguments import checked
 from simcompare.engine import engines
 from simcompare.engine.features import Feature, needs
-from simcompare.errors import SimcompareError
+from simcompare.errors import InputError, SimcompareError
+from simcompare.model.drawing import drawn
 from simcompare.model.scenario import Joint, Scenario, Sensor, Tolerance, World
-from simcompare.reports.render import numbers
+from simcompare.reports.render import matplotlib_replay, numbers
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import Preset
+from simcompare.verbs.scene import scene_of
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+#: of the picture in a notebook, in an inch: it is kept in the notebook's file
+_DOTS = 84
 _HEADS = ("value", "unit", "from", "to", "what it is")
 
 
@@ -56,6 +64,7 @@ class ScenarioFacts(Shown):
         truth: where the truth comes from.
         tolerances: measured value -> tolerance.
         units: measured value -> unit, of those with a tolerance.
+        is_visible: whether there is a picture of the scene.
     """
 
     name: str
@@ -76,10 +85,27 @@ class ScenarioFacts(Shown):
     truth: str
     tolerances: Mapping[str, Tolerance]
     units: Mapping[str, str]
+    is_visible: bool
 
     def __repr__(self) -> str:
         rows = (f"  {name} = {_number(p.value)} {_unit(p)}" for name, p in self.parameters.items())
         return "\n".join([super().__repr__(), *map(str.rstrip, rows)])
+
+    def plot(self) -> Canvas:
+        """The scene at several instants of its truth, the last one full, as a figure.
+
+        As it starts, where there is no truth that tells where all bodies are.
+
+        Raises:
+            InputError: nothing of the scene can be seen.
+        """
+        replay = scene_of(catalogue.load(self.file))
+        if replay is None:
+            raise InputError(self.file, ["no body has shapes or visual, so there is no picture"])
+        return matplotlib_replay.still(replay, "")
+
+    def _scene(self) -> bytes:
+        return matplotlib_replay.png(self.plot(), _DOTS)
 
     def _glance(self) -> Glance:
         able = [name for name, lacking in self.engines.items() if not lacking]
@@ -90,7 +116,9 @@ class ScenarioFacts(Shown):
             question=self.question,
             table=self._table(),
             notes=tuple(notes),
-            more=f"More: simcompare.run({self.name!r}, preset=…, set={{…}}), .presets, .signals",
+            scene=self._scene if self.is_visible else None,
+            more=f"More: simcompare.run({self.name!r}, preset=…, set={{…}}),"
+            " .plot(), .presets, .signals",
         )
 
     def _table(self) -> Table:
@@ -110,7 +138,8 @@ def show(scenario: str | Path) -> ScenarioFacts:
 
         simcompare.show("ball")
         simcompare.show("ball").table()
-        simcompare.show("ball").presets
+        simcompare.show("ball").plot()
+    simcompare.show("ball").presets
 
     Args:
         scenario: name, folder or file.
@@ -153,6 +182,7 @@ def show(scenario: str | Path) -> ScenarioFacts:
         else "none: engines are compared with each other only",
         tolerances=scene.tolerances,
         units=_measured_units(scene),
+        is_visible=any(not body.fixed for body in drawn(scene).values()),
     )
 
 
