@@ -107,6 +107,10 @@ def test_a_job_that_takes_too_long_is_ended(client):
     assert asked(client)["state"] == "done"
 
 
+def test_a_worker_warms_up_before_its_first_job(client):
+    assert asked(client, how="warmed")["result"] == {"sentence": "warm"}
+
+
 def test_faults_are_told_in_the_language_of_the_browser(client):
     german = {"accept-language": "de-AT,de;q=0.9,en;q=0.5"}
     told = client.get("/api/groups/Nobody", headers=german).json()

@@ -147,7 +147,9 @@ def _limit_memory() -> None:
 
 
 def _load(perform: Perform) -> None:
-    """Has arrived with its function, whose modules are imported now."""
+    """Starts what the first job would wait for; what goes wrong then is told when it is needed."""
+    with contextlib.suppress(SimcompareError):
+        perform("warm", {})
 
 
 def _do(perform: Perform, task: Task) -> Ending:

@@ -14,6 +14,7 @@ from simcompare.glossary import LANGUAGES
 from simcompare.lab import facts, fits, recordings, runs, takeaways
 from simcompare.lab.asked import Asked
 from simcompare.model.plain import Plain
+from simcompare.running import doctor
 from simcompare.running.runner import kept_processes
 
 _KEPT = contextlib.ExitStack()
@@ -23,7 +24,8 @@ def perform(kind: str, request: Mapping[str, Any]) -> Plain:
     """Does a job.
 
     Args:
-        kind: "scenarios", "scenario", "run", "fit", "script", "report", "recording" or "scale".
+        kind: "scenarios", "scenario", "run", "fit", "script", "report", "recording" or "scale";
+            "warm" before the first of them.
         request: what the page asks, with what the server adds to it.
 
     Returns:
@@ -46,6 +48,13 @@ def _keep_engines() -> None:
     _KEPT.enter_context(kept_processes())
 
 
+def _warm(asked: Asked) -> Plain:
+    """Starts the engines' processes, before the first job waits for them."""
+    del asked
+    doctor.doctor()
+    return {}
+
+
 def _scenarios(asked: Asked) -> Plain:
     del asked
     return facts.scenarios()
@@ -61,6 +70,7 @@ def _recording(asked: Asked) -> Plain:
 
 
 _KINDS: Mapping[str, Callable[[Asked], Plain]] = {
+    "warm": _warm,
     "scenarios": _scenarios,
     "scenario": _scenario,
     "run": runs.run,
