@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import atexit
 import contextlib
-import functools
 import importlib.util
 import os
 import re
@@ -13,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +30,7 @@ _FLAGS = (
 #: longest time that a page is waited for, on a machine that does much else [s]
 PATIENCE_S = 60.0
 _STEP_S = 0.05
+_SIZE_PX = (1400, 900)
 Json = Any
 
 
@@ -102,8 +101,12 @@ class Page:
 
     def put(self, selector: str, value: object) -> None:
         """Types a value into a field."""
-        script = """(s, v) => { const one = document.querySelector(s); one.value = v;
-            for (const what of ["input", "change"]) one.dispatchEvent(new Event(what, {bubbles: true})); }"""
+        script = """(s, v) => {
+            const one = document.querySelector(s);
+            one.value = v;
+            for (const what of ["input", "change"])
+                one.dispatchEvent(new Event(what, {bubbles: true}));
+        }"""
         self.ask(script, selector, value)
 
 
@@ -154,25 +157,28 @@ class _Selenium(Page):
         self._driver.find_element(By.CSS_SELECTOR, selector).send_keys(str(path))
 
 
-@contextlib.contextmanager
-def browser(
-    flags: Sequence[str] = (), size_px: tuple[int, int] = (1400, 900)
-) -> Iterator[Page]:
-    """A fresh browser with one page, in which nothing moves by itself.
+Open = Callable[..., contextlib.AbstractContextManager[Page]]
 
-    Args:
-        flags: further arguments of Chromium.
-        size_px: of its window.
+
+@contextlib.contextmanager
+def browsers() -> Iterator[Open]:
+    """What opens a fresh browser with one page, in which nothing moves by itself.
+
+    It takes further arguments of Chromium, and the size of the window in pixels.
     """
-    arguments = [*_FLAGS, "--force-prefers-reduced-motion", *flags]
-    start = _by_playwright if _there("playwright") else _by_selenium
-    with start(arguments, size_px) as page:
-        yield page
+    flags = [*_FLAGS, "--force-prefers-reduced-motion"]
+    if not _there("playwright"):
+        yield lambda more=(), size_px=_SIZE_PX: _by_selenium([*flags, *more], size_px)
+        return
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as player:
+        yield lambda more=(), size_px=_SIZE_PX: _by_playwright(player, [*flags, *more], size_px)
 
 
 @contextlib.contextmanager
-def _by_playwright(arguments: list[str], size_px: tuple[int, int]) -> Iterator[Page]:
-    started = _player().chromium.launch(executable_path=CHROMIUM, args=arguments)
+def _by_playwright(player: Any, arguments: list[str], size_px: tuple[int, int]) -> Iterator[Page]:
+    started = player.chromium.launch(executable_path=CHROMIUM, args=arguments)
     width, height = size_px
     context = started.new_context(
         viewport={"width": width, "height": height}, locale="en-US", reduced_motion="reduce"
@@ -183,16 +189,6 @@ def _by_playwright(arguments: list[str], size_px: tuple[int, int]) -> Iterator[P
         yield _Playwright(page)
     finally:
         started.close()
-
-
-@functools.cache
-def _player() -> Any:
-    """Playwright, of which a process can have but one."""
-    from playwright.sync_api import sync_playwright
-
-    started = sync_playwright().start()
-    atexit.register(started.stop)
-    return started
 
 
 @contextlib.contextmanager
@@ -221,7 +217,8 @@ def lab() -> Iterator[str]:
         command = [sys.executable, "-u", "-m", "simcompare", "lab", "--port", "0"]
         started = subprocess.Popen(
             [*command, "--folder", str(Path(folder) / "lab"), "--no-open"],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env={**os.environ, "COLUMNS": "200"},
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            env={**os.environ, "COLUMNS": "200"},
         )  # fmt: skip
         try:
             yield _address(started)

@@ -28,7 +28,9 @@ def _texts(language: str) -> dict[str, dict[str, str]]:
 
 
 def _flat(texts: dict[str, Any]) -> dict[str, str]:
-    return {f"{section}.{key}": text for section, all_ in texts.items() for key, text in all_.items()}
+    return {
+        f"{section}.{key}": text for section, all_ in texts.items() for key, text in all_.items()
+    }
 
 
 def _sources() -> Iterator[str]:
@@ -55,7 +57,7 @@ def test_no_text_is_empty_or_no_text(language: str) -> None:
 def test_every_text_is_said_and_every_said_text_is_there() -> None:
     source = "\n".join(_sources())
     keys = {key for key in _flat(_texts("en")) if not key.startswith(f"{QUANTITIES}.")}
-    said = set(re.findall(r"texts\.(\w+\.\w+)", source)) | set(re.findall(r'"(\w+\.\w+)"', source)) & (keys | _asked(source))
+    said = {*re.findall(r"texts\.(\w+\.\w+)", source), *re.findall(r'"(\w+\.\w+)"', source)}
     made = tuple(MADE.findall(source))
     assert {key for key in keys - said if not key.startswith(made)} == set()
     assert _asked(source) - keys == set()
@@ -63,7 +65,9 @@ def test_every_text_is_said_and_every_said_text_is_there() -> None:
 
 def _asked(source: str) -> set[str]:
     """Keys that are asked for as they stand."""
-    return set(re.findall(r'words\("(\w+\.\w+)"', source)) | set(re.findall(r"texts\.(?!quantities)(\w+\.\w+) ", source))
+    return set(re.findall(r'words\("(\w+\.\w+)"', source)) | set(
+        re.findall(r"texts\.(?!quantities)(\w+\.\w+) ", source)
+    )
 
 
 def test_words_of_parameters_belong_to_parameters() -> None:

@@ -34,7 +34,7 @@ export class Drop {
     byId("scenario").replaceChildren(...all.map((one) => new Option(one.title, one.name)));
     const name = all.some((one) => one.name === scenario) ? scenario : byId("scenario").dataset.first ?? all[0].name;
     await this.open(name, preset);
-    if (scenario && name !== scenario) say(byId("drop-faults"), [words("drop.no_scenario", { name: scenario, names: all.map((one) => one.name).join(", ") })]);
+    say(byId("notice"), !scenario || name === scenario ? [] : [words("drop.no_scenario", { name: scenario, names: all.map((one) => one.name).join(", ") })]);
   }
   async open(name, preset = "") {
     try {

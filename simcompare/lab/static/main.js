@@ -26,7 +26,7 @@ async function stored(real) {
   const results = (found?.results ?? []).filter((one) => one.kind === "fit"), files = found?.files ?? [];
   byId("results").hidden = !results.length && !files.length;
   byId("stored").replaceChildren(
-    ...results.map((one) => make("li", {}, [one.when, one.sentence].filter(Boolean).join(": "))),
+    ...results.map((one) => make("li", {}, `${new Date(one.when).toLocaleString(language)}: ${one.sentence}`)),
     ...links(group(), files));
   real.offer(found?.recordings ?? []);
 }

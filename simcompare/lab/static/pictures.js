@@ -31,12 +31,12 @@ export function curves(box, { curves: all, recorded, y_label: label }, level) {
 /** A level as the page calls it. */
 export const levelName = (level) => (level === DEFAULT ? words("real.before") : level === BY_HAND ? words("hand.yours") : words("real.after"));
 
-/** Restitution of each bounce: measured, and every engine before and after it was fitted. */
+/** Restitution of each bounce: measured, and every engine that bounces, before and after it was fitted. */
 export function bounces(box, { numbers, measured, engines }) {
   const names = [...new Set(engines.map((one) => one.name))];
   const data = [
     { type: "scatter", mode: "lines+markers", name: words("real.measured"), x: numbers, y: measured, line: { color: MEASURED, width: 3 }, marker: { size: 11, symbol: "circle", color: MEASURED } },
-    ...engines.map((one) => ({
+    ...engines.filter((one) => one.values.some((value) => value !== null)).map((one) => ({
       type: "scatter", mode: "lines+markers", name: `${one.name}, ${levelName(one.level)}`, x: numbers, y: one.values,
       line: { color: one.colour, width: one.level === DEFAULT ? 1 : 2, dash: one.level === DEFAULT ? "dot" : one.level === BY_HAND ? "dash" : "solid" },
       marker: { size: 9, color: one.level === DEFAULT ? "#fff" : one.colour, line: { color: one.colour, width: 2 }, symbol: SIGNS[(names.indexOf(one.name) + 1) % SIGNS.length] },

@@ -10,6 +10,7 @@ import { words } from "/static/words.js";
 const KINDS = { audio: "sound", video: "video" };
 const kindOf = (file) => KINDS[file.type.split("/")[0]] ?? "table";
 
+const short = (value) => (typeof value === "number" ? String(Number(value.toPrecision(3))) : "–");
 const told = (values) => Object.entries(values).map(([name, value]) => `${name} ${Number(value.toPrecision(4))}`).join(", ");
 
 // how far the student's hand was
@@ -118,16 +119,17 @@ export class Real {
     byId("files").replaceChildren(...links(asked.group, result.files));
     byId("home").replaceChildren(...["script", "report"].map((kind) => this.home(kind, { ...asked, kind, result: result.id })));
     this.drop.choices.take(result.parameters);
-    await this.drop.show(result, { isPlayed: false, job: { ...asked, result: result.id, parameters: result.parameters } });
+    this.drop.level = result.engines[0]?.level ?? "";
+    await this.drop.show({ ...result, scores: [] }, { isPlayed: false, job: { ...asked, result: result.id, parameters: result.parameters } });
     document.dispatchEvent(new Event("stored"));
   }
   // each engine's values, and how far it was off before and after
   table({ engines, scores }) {
     const levels = [...new Set(scores.map((one) => one.level))];
-    const off = (name, level) => scores.find((one) => one.source === name && one.level === level)?.misfit_mm ?? "–";
+    const off = (name, level) => scores.find((one) => one.source === name && one.level === level)?.misfit_mm;
     return table({
       title: words("real.table"), head: [words("drop.engine"), words("real.values"), ...levels.map((one) => `${levelName(one)} (mm)`)],
-      rows: engines.map((one) => [one.name, told(one.values), ...levels.map((level) => String(off(one.name, level)))]),
+      rows: engines.map((one) => [one.name, told(one.values), ...levels.map((level) => short(off(one.name, level)))]),
     });
   }
   // makes a file that can be taken home
