@@ -388,3 +388,15 @@ def test_an_attitude_beyond_radians_is_in_degrees(read):
     for size in (0.01, 3.0):  # what may be radians, and what may be turns that were added up
         with pytest.raises(InputError, match="no unit is known"):
             read(head + rows(90, lambda i, s=size: s * i, lambda i: i / 90, lambda i: i))
+
+
+@pytest.mark.parametrize("names", ["roll_rate,pitch_rate,yaw_rate", "roll,pitch,throttle"])
+def test_rates_and_sticks_are_no_attitude(read, names):
+    with pytest.raises(InputError, match="no unit is known"):
+        read(f"t (s),{names}\n" + rows(90, *[lambda i: i / 2] * 3))
+
+
+@pytest.mark.parametrize("value", [0, "nan"])
+def test_an_accelerometer_that_says_nothing_has_no_unit(read, value):
+    made = read("t (s),u (V),acc_x,acc_y,acc_z\n" + rows(90, lambda i: i, *[lambda _: value] * 3))
+    assert [*channels(made)] == ["u_V"]

@@ -10,18 +10,17 @@ import numpy as np
 from simcompare import units
 from simcompare.hardware.conditioning.units import quantity
 from simcompare.hardware.conditioning.units.meaning import Claim, claims, reread, title, triads
-from simcompare.hardware.conditioning.units.rest import rest
+from simcompare.hardware.conditioning.units.rest import excerpts, rest
 from simcompare.hardware.conditioning.work import Work
-from simcompare.model.trajectory import Array
 
 #: how far it may be from 1; sheets of cheap sensors allow 0.17 g of offset and scale together
 _TOLERANCE = 0.15
 #: the same where a name says that it is an acceleration: the next unit is ten times larger
 _NAMED_TOLERANCE = 0.2
 #: as many of each unit are one g
-_IN = {"g_0": 1.0, "mg_0": 1e3, "ug_0": 1e6, "m/s^2": 9.80665, "mm/s^2": 9806.65}
-#: units that an acceleration without any may have
-_USUAL = ("m/s^2", "g_0", "mg_0", "mm/s^2")
+_IN = {"g_0": 1.0, "mg_0": 1e3, "ug_0": 1e6, "m/s^2": 9.80665}
+#: units that an acceleration without any may have; near 1000 and 8000 it may be counts of a chip
+_USUAL = ("m/s^2", "g_0")
 _AXIS = re.compile(r"(?:^|[^a-z])[xyz](?:$|[^a-z])")
 
 
@@ -74,7 +73,7 @@ def _size_at_rest(work: Work, group: Sequence[Claim]) -> float:
     at_rest = rest(work, group)
     if at_rest is not None:
         return at_rest.size if at_rest.steady else 0.0
-    lengths = _lengths(group)
+    lengths = np.linalg.norm([claim.values(slice(None)) for claim in group], axis=0)
     low, middle, high = np.nanquantile(lengths, (0.1, 0.5, 0.9))
     return float(middle) if high - low < 0.1 * middle else 0.0
 
@@ -86,10 +85,9 @@ def _mean_size(group: Sequence[Claim]) -> float:
     """
     if len(group) != 3:
         return 0.0
-    mean = float(np.linalg.norm([np.nanmean(claim.values(slice(None))) for claim in group]))
-    usual = float(np.nanmedian(_lengths(group)))
-    return mean if abs(usual / mean - 1) < _NAMED_TOLERANCE else 0.0
-
-
-def _lengths(group: Sequence[Claim]) -> Array:
-    return np.asarray(np.linalg.norm([claim.values(slice(None)) for claim in group], axis=0))
+    parts = excerpts(len(group[0].column.values))
+    axes = np.concatenate([[claim.values(part) for claim in group] for part in parts], axis=1)
+    axes = axes[:, np.isfinite(axes).all(axis=0)]
+    mean = float(np.linalg.norm(axes.mean(axis=1))) if axes.size else 0.0
+    usual = float(np.median(np.linalg.norm(axes, axis=0))) if axes.size else 0.0
+    return mean if mean > 0 and abs(usual / mean - 1) < _NAMED_TOLERANCE else 0.0
