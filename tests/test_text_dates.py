@@ -106,3 +106,14 @@ def test_a_time_in_parts_is_put_together(tmp_path, skip):
     # seconds since 1970 in a float
     assert stream.time_s == pytest.approx(0.01 * np.arange(COUNT), abs=1e-6)
     assert "x_m" in stream.channels
+
+
+def test_an_update_is_no_date(read):
+    with pytest.raises(InputError, match="update time"):
+        read([30_000 + 10 * i for i in range(50)], name="update time")
+
+
+def test_a_board_that_restarts_after_86_4_s_is_no_midnight(read):
+    stamps = [*range(864), *range(400)]
+    log = read([f"{stamp / 10:.1f}" for stamp in stamps], name="t (s)")
+    assert len(log.streams) == 2

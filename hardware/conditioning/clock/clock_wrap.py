@@ -10,7 +10,8 @@ from simcompare.hardware.conditioning.work import Work
 from simcompare.model.trajectory import Array
 
 #: after how much they begin again, in the unit in which they count, and how that is called
-_PERIODS = {2.0**16: "a counter of 16 bits", 2.0**32: "a counter of 32 bits", 86_400.0: "midnight"}
+_DAY_S = 86_400.0
+_PERIODS = {2.0**16: "a counter of 16 bits", 2.0**32: "a counter of 32 bits", _DAY_S: "midnight"}
 #: units of these, against that of the stamps
 _FACTORS = (1.0, 1e-3, 1e-6, 1e3, 1e6)
 #: the step over the end of a period is none, or a few, of the usual ones
@@ -41,7 +42,9 @@ def period(stamps: Array) -> tuple[float, str] | None:
         return None
     before, after = stamps[back], stamps[back + 1]
     for length, word in _PERIODS.items():
-        for whole in (length * factor for factor in _FACTORS):
+        # a day is no less than 86 400 of any unit: what restarts after 86.4 s is a board
+        longer = (factor for factor in _FACTORS if length != _DAY_S or factor >= 1.0)
+        for whole in (length * factor for factor in longer):
             over = after - before + whole
             ends = np.abs(before - whole / 2) > whole / 2 - _STEPS * usual  # from 0, …
             ends |= np.abs(before - whole / 2) < _STEPS * usual  # or from the negative half

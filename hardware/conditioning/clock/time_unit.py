@@ -31,6 +31,8 @@ _USUAL = (0.9e-4, 1.1)
 _LIKELY = 0.01
 #: and at all, where a unit is given [s]
 _POSSIBLE = (1e-12, 3700.0)
+#: names of columns that hold dates; an update is none
+_OF_DATES = re.compile(r"(?<![a-z])date", re.IGNORECASE)
 
 
 def check(work: Work) -> None:
@@ -82,7 +84,7 @@ def _without_unit(work: Work, column: RawColumn, step: float, first: float) -> f
     if days is not None:
         work.info(
             "day_numbers", f"numbers are days since {_DAYS[days]}; the first is"
-            f" {_date((first - days) * 86_400)}", channel=column.name,
+            f" {_moment((first - days) * 86_400)}", channel=column.name,
         )  # fmt: skip
         rounded_s = float(np.spacing(first)) * 86_400
         work.u_time_s = float(np.hypot(work.u_time_s, rounded_s / np.sqrt(12)))
@@ -109,7 +111,8 @@ def _days(column: RawColumn, step: float, first: float) -> int | None:
     """From when on a column counts days, where its name speaks of a date or its steps say it."""
     since = next((day for day in _DAYS if day <= first < day + _UNTIL_2100), None)
     far = step * 86_400 >= _USUAL[0] and step < _USUAL[0]
-    return since if "date" in column.name.lower() or far else None
+    named = _OF_DATES.search(column.name) is not None and _possible(step * 86_400)
+    return since if named or far else None
 
 
 def _contradicted(
@@ -180,9 +183,12 @@ def epoch_unit(first: float) -> str | None:
 
 
 def _date(seconds: float) -> str:
-    if not _EPOCH[0] <= seconds <= _EPOCH[1]:
-        return ""
-    moment = datetime.datetime.fromtimestamp(seconds, datetime.UTC)
+    return _moment(seconds) if _EPOCH[0] <= seconds <= _EPOCH[1] else ""
+
+
+def _moment(seconds: float) -> str:
+    since_1970 = datetime.timedelta(seconds=seconds)
+    moment = datetime.datetime(1970, 1, 1, tzinfo=datetime.UTC) + since_1970
     return moment.isoformat(timespec="milliseconds")
 
 
