@@ -128,6 +128,38 @@ def test_an_uncertainty_belongs_to_the_column_that_it_names(tmp_path, heading, c
     assert found.found[0].readings["mean_period"].u == pytest.approx(u_s)
 
 
+@pytest.mark.parametrize(
+    "heading",
+    [
+        "10 T (s),u(10 T) (s)", "Time for 10 swings (s),± (s)", "10T (s),u_10T (s)",
+        "T10 (s),dT10 (s)", "10 T (s),Unsicherheit (s)", "10 T (s),u(10 Perioden) (s)",
+        "T10 (s),u(t) (s)", "number of swings,total time (s),u(total time) (s)",
+        "Number of periods,Total time (s),u (s)", "n,t (s),Δt (s)",
+    ],
+)  # fmt: skip
+def test_the_uncertainty_of_the_time_of_many_is_divided_too(tmp_path, heading):
+    count = "10," if heading.count(",") == 2 else ""
+    text = f"Length (m),{heading}\n0.5,{count}14.20,0.2\n1,{count}20.10,0.2\n"
+    reading = read(tmp_path, text).found[0].readings["mean_period"]
+    u_s = 0.02 / (3**0.5 if "±" in heading else 1)
+    assert (reading.mean, reading.u) == (pytest.approx(1.42), pytest.approx(u_s))
+    assert reading.digit == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    "heading", ["10 T (s),u(T) (s)", "10 T (s),uncertainty of period (s)", "T1 (s),T2 (s),dT2 (s)"]
+)
+def test_the_uncertainty_of_one_period_is_not_divided(tmp_path, heading):
+    cells = "14.2" if "10" in heading else "1.42,1.42"
+    text = f"Length (m),{heading}\n0.5,{cells},0.02\n1,{cells},0.02\n"
+    assert read(tmp_path, text).found[0].readings["mean_period"].u == pytest.approx(0.02)
+
+
+def test_none_that_were_timed_together_is_a_fault_and_no_crash(tmp_path):
+    text = "Length (m),number of swings,total time (s)\n0.5,0,28.4\n1,10,20.1\n"
+    assert "line 2: number of swings is 0; expected a number above 0" in faults(tmp_path, text)
+
+
 def test_what_is_calculated_or_not_known_is_left_out_and_named(tmp_path):
     head = "Length (m),Period (s),T^2 (s^2),g (m/s^2),error (%),who"
     text = f"{head}\n0.5,1.42,2,9.8,-1,A\n1,2.01,4,9.8,2,B\n"

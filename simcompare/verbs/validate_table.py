@@ -16,8 +16,8 @@ from simcompare.results.run_record import now, software
 from simcompare.running.runner import Progress
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.validation.tabled import tables
-from simcompare.validation.tabled.headings import LEFT_OUT, Meaning
 from simcompare.validation.tabled.judged import judged
+from simcompare.validation.tabled.meaning import LEFT_OUT, Meaning
 from simcompare.validation.tabled.simulated import ClosedForm, Setting, simulate
 from simcompare.validation.tabled.tables import Read
 from simcompare.validation.tabled.vocabulary import spoken

@@ -14,7 +14,7 @@ from simcompare.errors import InputError
 from simcompare.hardware.recordings.results_table import ResultsTable
 from simcompare.model.trajectory import Array
 from simcompare.scenarios.scenario_file import ScenarioFile, out_of_bounds
-from simcompare.validation.tabled.headings import (
+from simcompare.validation.tabled.meaning import (
     COUNT,
     MEASURED,
     PARAMETER,
@@ -127,14 +127,22 @@ def _digits(used: Sequence[Meaning], table: ResultsTable) -> dict[str, float]:
             values = table.values[one.heading.number]
             texts = [f"{value:.9g}" for value in values[np.isfinite(values)]]
             places = max((len(text.partition(".")[2]) for text in texts), default=0)
-            size = 10.0**-places * one.factor
+            size = 10.0**-places * one.factor / (_fewest(used, table) if one.of_total else 1.0)
             digits[one.entry.name] = min(size, digits.get(one.entry.name, size))
     return digits
+
+
+def _fewest(used: Sequence[Meaning], table: ResultsTable) -> float:
+    """The smallest number of what was timed together."""
+    counts = [table.values[one.heading.number] for one in used if one.role == COUNT]
+    known = np.concatenate(counts) if counts else np.ones(1)
+    return float(np.min(known[known > 0], initial=np.inf))
 
 
 def _row(line: int, cells: Sequence[tuple[Meaning, float]], faults: list[str]) -> _Row:
     row = _Row(line)
     count = next((cell for one, cell in cells if one.role == COUNT), 1.0)
+    count = count if count > 0 else math.nan  # which is a fault of its own
     for one, cell in cells:
         if one.entry is None:
             continue
@@ -146,7 +154,7 @@ def _row(line: int, cells: Sequence[tuple[Meaning, float]], faults: list[str]) -
             row.values.setdefault(name, []).append(value)
     for one, cell in cells:
         if one.role == UNCERTAINTY and one.entry is not None:
-            _add_u(row, one, cell, faults)
+            _add_u(row, one, cell / count if one.of_total and not one.relative else cell, faults)
     faults += [f"line {line}: {text}" for text in _faults_of(row, cells)]
     return row
 

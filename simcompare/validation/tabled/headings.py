@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.mapping_lines import channels_line, quoted
 from simcompare.hardware.recordings.results_table import Heading
+from simcompare.validation.tabled.meaning import (
+    COUNT,
+    LEFT_OUT,
+    MEASURED,
+    PARAMETER,
+    TOTAL,
+    UNCERTAINTY,
+    Guess,
+    Meaning,
+)
+from simcompare.validation.tabled.owners import with_owners
 from simcompare.validation.tabled.vocabulary import Entry, Vocabulary, spoken, told, words
 
-PARAMETER, MEASURED, UNCERTAINTY, COUNT, LEFT_OUT = (
-    "parameter", "measured", "uncertainty", "count", "left out",
-)  # fmt: skip
 #: an uncertainty as a range in which the value certainly lies
 _LIMITS = ("±", "+")
 _U = frozenset((
@@ -27,49 +35,9 @@ _TRIALS = frozenset((
     "trial", "run", "attempt", "try", "measurement", "meas", "reading", "repeat", "rep", "test",
     "versuch", "messung"
 ))  # fmt: skip
-_TOTAL = frozenset(["time", "total", "t", "zeit", "gesamtzeit", "elapsed"])
 _NUMBER_OF = frozenset(["number", "count", "anzahl", "num", "n", "N"])
 #: what is calculated from another column
 _DERIVED = re.compile(r"[\^²³√*/=]|sqrt|squared?\b|\blog\b|\bln\b", re.IGNORECASE)
-
-
-@dataclass(frozen=True)
-class Meaning:
-    """What a column holds.
-
-    Attributes:
-        heading: of the column.
-        role: parameter, measured, uncertainty, count or left out.
-        entry: the parameter or result that it holds, or of which it holds the uncertainty.
-        factor: to SI, for one of many that were timed together.
-        count: how many were timed together.
-        repeat: number among repeats of the same measurement.
-        limits: whether an uncertainty is the half-width of a range.
-        relative: whether an uncertainty is a part of the value.
-        of_total: whether a column of counts says how many were timed together.
-        note: why it is left out.
-    """
-
-    heading: Heading
-    role: str
-    entry: Entry | None = None
-    factor: float = 1.0
-    count: int = 1
-    repeat: int | None = None
-    limits: bool = False
-    relative: bool = False
-    of_total: bool = False
-    note: str = ""
-
-
-@dataclass(frozen=True)
-class _Guess:
-    """A column before its neighbours are looked at."""
-
-    meaning: Meaning
-    numbers: tuple[int, ...] = ()
-    is_counted: bool = False
-    is_twice: bool = False
 
 
 def meanings(
@@ -82,12 +50,10 @@ def meanings(
         vocabulary: the names that columns may have.
         faults: what is wrong is added here.
     """
-    guesses: list[_Guess] = []
-    for heading in headings:
-        before = guesses[-1].meaning if guesses else None
-        guesses.append(_guess(heading, vocabulary, before))
+    guesses = [_guess(heading, vocabulary) for heading in headings]
     found = _with_repeats(guesses)
     found = _with_totals(found, vocabulary)
+    found = with_owners(found, guesses, vocabulary)
     found = _without_means(found)
     faults += _twice(found)
     faults += _without_unit(found)
@@ -97,46 +63,42 @@ def meanings(
 # ---- one column alone --------------------------------------------------------------------------
 
 
-def _guess(heading: Heading, known: Vocabulary, before: Meaning | None) -> _Guess:
+def _guess(heading: Heading, known: Vocabulary) -> Guess:
     if not heading.holds_numbers:
         return _left(heading, "holds no numbers")
     name = heading.plain
     if _DERIVED.search(name):
         return _left(heading, "is calculated from another column")
-    every = words(name)
+    change = re.match(r"d[A-Z]", name)
+    every = words(name[1:] if change else name)
     numbers = tuple(int(word) for word in every if word.isdigit())
     plain = [word for word in every if not word.isdigit()]
-    if {*plain} & _U or re.match(r"d[A-Z]", name):
-        return _uncertainty(heading, name, plain, known, before)
+    if {*plain} & _U or change:
+        return _uncertainty(heading, plain, numbers, known)
     entry = _best(heading, plain, known)
     if entry is not None:
         role = PARAMETER if entry.is_parameter else MEASURED
-        counted = bool(told(plain, entry.counted, known.fillers | _TOTAL))
+        counted = bool(told(plain, entry.counted, known.fillers | TOTAL))
         twice = name != heading.name
-        return _Guess(Meaning(heading, role, entry), numbers, counted and bool(numbers), twice)
+        return Guess(Meaning(heading, role, entry), numbers, counted and bool(numbers), twice)
     return _unnamed(heading, plain, numbers, known)
 
 
-def _left(heading: Heading, note: str) -> _Guess:
-    return _Guess(Meaning(heading, LEFT_OUT, note=note))
+def _left(heading: Heading, note: str) -> Guess:
+    return Guess(Meaning(heading, LEFT_OUT, note=note))
 
 
 def _uncertainty(
-    heading: Heading, name: str, plain: Sequence[str], known: Vocabulary, before: Meaning | None
-) -> _Guess:
-    """The uncertainty of what the rest of the name says, or of the column before."""
-    rest = [word for word in plain if word not in _U]
-    if re.match(r"d[A-Z]", name):
-        rest = list(words(name[1:]))
-    if heading.unit in ("%", "percent") and not {*plain} & {"u", "uncertainty", "unsicherheit"}:
+    heading: Heading, plain: Sequence[str], numbers: tuple[int, ...], known: Vocabulary
+) -> Guess:
+    """The uncertainty of what the rest of the name says; columns beside it may say more."""
+    rest = tuple(word for word in plain if word not in _U)
+    is_part = heading.unit in ("%", "percent")
+    if is_part and not {*plain} & {"u", "uncertainty", "unsicherheit"}:
         return _left(heading, "may be a deviation from theory; an uncertainty is called u")
-    entry = _best(heading, rest, known, fits=heading.unit not in ("%", "percent"))
-    if entry is None and not [word for word in rest if word not in known.fillers] and before:
-        entry = before.entry
-    if entry is None:
-        return _left(heading, "is an uncertainty of nothing that is used")
+    entry = _best(heading, rest, known, fits=not is_part)
     limits = any(word in _LIMITS for word in plain)
-    return _Guess(Meaning(heading, UNCERTAINTY, entry, limits=limits))
+    return Guess(Meaning(heading, UNCERTAINTY, entry, limits=limits), numbers, rest=rest)
 
 
 def _best(
@@ -145,7 +107,7 @@ def _best(
     """The parameter or result of which a name has the most words, if its unit fits."""
     found: list[tuple[int, int, int, Entry]] = []
     for entry in known.entries:
-        extra = _TOTAL if entry.counted else frozenset()
+        extra = TOTAL if entry.counted else frozenset()
         fillers = known.fillers | _TRIALS
         said = told(plain, entry.called, fillers)
         if entry.counted and not said:
@@ -158,17 +120,17 @@ def _best(
 
 def _unnamed(
     heading: Heading, plain: Sequence[str], numbers: tuple[int, ...], known: Vocabulary
-) -> _Guess:
+) -> Guess:
     """A repeat that is only numbered, how many were timed together, or nothing that is used."""
     left = {*plain} - known.fillers
     if left and left <= _TRIALS and numbers and heading.unit:
         fitting = [one for one in known.entries if one.name in known.leading
                    and _fits(heading.unit, one.unit)]  # fmt: skip
         if len(fitting) == 1:
-            return _Guess(Meaning(heading, MEASURED, fitting[0]), numbers)
+            return Guess(Meaning(heading, MEASURED, fitting[0]), numbers)
     counted = {word for one in known.entries for phrase in one.counted for word in phrase}
     if left and left <= _NUMBER_OF | counted and heading.unit in ("", "1"):
-        return _Guess(Meaning(heading, COUNT))
+        return Guess(Meaning(heading, COUNT))
     return _left(heading, "is neither a parameter nor a result of the scenario")
 
 
@@ -186,7 +148,7 @@ def _fits(given: str, wanted: str) -> bool:
 # ---- columns beside each other -----------------------------------------------------------------
 
 
-def _with_repeats(guesses: Sequence[_Guess]) -> list[Meaning]:
+def _with_repeats(guesses: Sequence[Guess]) -> list[Meaning]:
     """Numbers of headings told apart: those of repeats, and how many were timed together."""
     found = []
     for guess in guesses:
@@ -220,7 +182,7 @@ def _with_totals(found: list[Meaning], known: Vocabulary) -> list[Meaning]:
     for one in found:
         plain = {word for word in words(one.heading.name) if not word.isdigit()} - known.fillers
         fitting = [e for e in known.entries if e.counted and _fits(one.heading.unit, e.unit)]
-        if one.role == LEFT_OUT and plain and plain <= _TOTAL and one.heading.unit and fitting:
+        if one.role == LEFT_OUT and plain and plain <= TOTAL and one.heading.unit and fitting:
             one = Meaning(one.heading, MEASURED, fitting[0], of_total=True)
         made.append(one)
     return made

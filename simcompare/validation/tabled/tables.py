@@ -24,13 +24,8 @@ from simcompare.validation.tabled.experiments import (
     basis_of,
     experiments,
 )
-from simcompare.validation.tabled.headings import (
-    LEFT_OUT,
-    MEASURED,
-    PARAMETER,
-    Meaning,
-    meanings,
-)
+from simcompare.validation.tabled.headings import meanings
+from simcompare.validation.tabled.meaning import LEFT_OUT, MEASURED, PARAMETER, Meaning
 from simcompare.validation.tabled.vocabulary import Entry, Vocabulary, of_scenario, spoken
 
 #: more columns than somebody writes by hand
