@@ -13,9 +13,11 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import errno
 import json
 import math
 import os
+import re
 import select
 import signal
 import subprocess
@@ -33,8 +35,12 @@ from simcompare.model.plain import Plain
 REQUEST, ANSWER, NOISE = "request.json", "answer.json", "noise"
 #: what is left of a limit when the process ends itself, should nobody else end it [s]
 _GRACE_S = 5
-#: stacks of the threads that libraries start for each processor; they are counted, not used
-_THREAD_BYTES = 2 << 23
+#: how a process ends that finds no room for its files; what the system says then
+_FULL, _NO_ROOM = 28, (errno.ENOSPC, errno.EDQUOT)
+#: what BLAS libraries start no more threads by, and their function for the same
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+_BLAS_THREADS = re.compile(r"(/\S*openblas\S*)$", re.MULTILINE)
+_SET_THREADS = [f"{a}openblas_set_num_threads{b}" for a in ("scipy_", "") for b in ("64_", "")]
 
 #: takes the folder of a task, does it, and writes the answer there
 Task = Callable[[Path], None]
@@ -63,11 +69,13 @@ class Ending:
         is_late: whether the time was over.
         signal: what killed it, 0 where nothing did.
         said: the last line that it printed, such as why it failed.
+        is_full: whether there was no room for its files.
     """
 
     is_late: bool = False
     signal: int = 0
     said: str = ""
+    is_full: bool = False
 
 
 def run(task: Task, target: str, folder: Path, limits: Limits) -> Ending:
@@ -87,6 +95,12 @@ def run(task: Task, target: str, folder: Path, limits: Limits) -> Ending:
 def fork_is_safe() -> bool:
     """Whether this process can go on in a copy of itself: no other thread holds a lock there."""
     return sys.platform == "linux" and threading.active_count() == 1
+
+
+def is_full(error: BaseException) -> bool:
+    """Whether an error says that a disk is full."""
+    is_known = isinstance(error, OSError) and error.errno in _NO_ROOM
+    return is_known or os.strerror(errno.ENOSPC) in str(error)
 
 
 def answer(folder: Path, content: Plain) -> None:
@@ -111,7 +125,8 @@ def _forked(task: Task, target: str, folder: Path, limits: Limits) -> Iterator[E
         _kill(child)
         _, status = os.waitpid(child, 0)
     killed_by = os.WTERMSIG(status) if os.WIFSIGNALED(status) else 0
-    yield Ending(not ready, killed_by, _last_line(folder))
+    no_room = os.WIFEXITED(status) and os.WEXITSTATUS(status) == _FULL
+    yield Ending(not ready, killed_by, _last_line(folder), no_room)
 
 
 def _last_line(folder: Path) -> str:
@@ -125,15 +140,18 @@ def _last_line(folder: Path) -> str:
 
 
 def _be_the_child(task: Task, folder: Path, limits: Limits) -> NoReturn:
+    code = 0
     try:
         os.setsid()
         _redirect(folder)
         _confine(folder, limits)
         task(folder)
-    except BaseException:  # noqa: BLE001  (the other process tells the last line)
-        os.write(2, traceback.format_exc().encode("utf-8", errors="replace"))
+    except BaseException as error:  # noqa: BLE001  (the other process tells the last line)
+        code = _FULL if is_full(error) else 0
+        with contextlib.suppress(OSError):
+            os.write(2, traceback.format_exc().encode("utf-8", errors="replace"))
     finally:
-        os._exit(0)
+        os._exit(code)
 
 
 def _redirect(folder: Path) -> None:
@@ -158,6 +176,7 @@ def _started(task: Task, target: str, folder: Path, limits: Limits) -> Iterator[
         process = subprocess.Popen(
             [sys.executable, "-c", code],
             stdin=subprocess.DEVNULL, stdout=noise, stderr=noise, start_new_session=True,
+            env={**os.environ, **_ONE_THREAD},
         )  # fmt: skip
     is_late = False
     try:
@@ -167,13 +186,18 @@ def _started(task: Task, target: str, folder: Path, limits: Limits) -> Iterator[
     finally:
         _kill(process.pid) if hasattr(os, "killpg") else process.kill()
         code_ = process.wait()
-    yield Ending(is_late, max(-code_, 0), _last_line(folder))
+    yield Ending(is_late, max(-code_, 0), _last_line(folder), code_ == _FULL)
 
 
 def be_started(task: Task, folder: str, memory_bytes: int, file_bytes: int, seconds: float) -> None:
     """What a new Python does."""
-    _confine(Path(folder), Limits(memory_bytes, file_bytes, seconds))
-    task(Path(folder))
+    try:
+        _confine(Path(folder), Limits(memory_bytes, file_bytes, seconds))
+        task(Path(folder))
+    except Exception as error:
+        if not is_full(error):
+            raise
+        sys.exit(_FULL)
 
 
 def _kill(child: int) -> None:
@@ -201,11 +225,23 @@ def _confine(folder: Path, limits: Limits) -> None:
 def _limit(limits: Limits) -> None:
     import resource
 
+    _use_one_thread()
     # data, not address space: maps of files on disk are no memory
-    stacks = _THREAD_BYTES * (os.cpu_count() or 1)
-    _lower(resource.RLIMIT_DATA, _data_bytes() + stacks + limits.memory_bytes)
+    _lower(resource.RLIMIT_DATA, _data_bytes() + limits.memory_bytes)
     _lower(resource.RLIMIT_FSIZE, limits.file_bytes)
     _lower(resource.RLIMIT_CORE, 0)
+
+
+def _use_one_thread() -> None:
+    """Lets BLAS start its threads now, and use none: their stacks are no memory of the task."""
+    os.environ.update(_ONE_THREAD)
+    maps = Path("/proc/self/maps").read_text(encoding="utf-8", errors="replace")
+    for path in set(_BLAS_THREADS.findall(maps)):
+        with contextlib.suppress(OSError):
+            library = ctypes.CDLL(path)
+            for name in _SET_THREADS:
+                if hasattr(library, name):
+                    getattr(library, name)(1)
 
 
 def _lower(kind: int, wanted: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import itertools
 import json
@@ -17,7 +18,7 @@ from simcompare import errors
 from simcompare.errors import InputError, SimcompareError
 from simcompare.hardware import carried, confined, importing
 from simcompare.hardware.mapping import NOTHING, Mapping
-from simcompare.model import plain, user_file
+from simcompare.model import plain, user_file, whole
 from simcompare.model.recording import Recording
 
 #: a user who knows better gives more memory [MB] or time [s] by these variables
@@ -31,6 +32,10 @@ _DISK_TIMES = 4
 #: files of a folder whose sizes are asked for
 _MOST_FILES = 10_000
 _MB = 1 << 20
+_FULL = (
+    "is full, and logs are laid down there while they are read; free some space in it, or name"
+    " another folder, as in: TMPDIR=/var/tmp"
+)
 
 
 @dataclass(frozen=True)
@@ -52,8 +57,8 @@ def template(log: str | Path, *, kind: str | None = None) -> str:
     Raises:
         InputError: the log cannot be read, or takes more than a log of its size may.
     """
-    with tempfile.TemporaryDirectory(prefix="simcompare-") as folder:
-        content = _asked(_Request(str(log), NOTHING, kind, template=True), Path(folder))
+    with _folder() as folder:
+        content = _asked(_Request(str(log), NOTHING, kind, template=True), folder)
     return str(content["template"])
 
 
@@ -72,12 +77,24 @@ def read(
         InputError: what is wrong with the log, or that it takes more than one of its size may.
     """
     request = _Request(str(path), mapping, kind, strict, assume_units, about)
-    with tempfile.TemporaryDirectory(prefix="simcompare-", ignore_cleanup_errors=True) as folder:
-        content = _asked(request, Path(folder))
-        return carried.put_together(content, Path(folder))
+    with _folder() as folder:
+        content = _asked(request, folder)
+        return carried.put_together(content, folder)
 
 
 # ---- this process -----------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def _folder() -> Iterator[Path]:
+    """Where a log is laid down while it is read."""
+    try:
+        with whole.temporary("simcompare-log-") as folder:
+            yield folder
+    except OSError as error:
+        if not confined.is_full(error):
+            raise
+        raise InputError(tempfile.gettempdir(), [_FULL]) from None
 
 
 def _asked(request: _Request, folder: Path) -> plain.Plain:
@@ -89,6 +106,8 @@ def _asked(request: _Request, folder: Path) -> plain.Plain:
     (folder / confined.REQUEST).write_text(request_, encoding="utf-8")
     ending = confined.run(serve, f"{__name__}:serve", folder, limits)
     answer = folder / confined.ANSWER
+    if ending.is_full:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     if not answer.exists():
         raise InputError(str(path), [_why_not(ending, size, limits)])
     if answer.stat().st_size > limits.memory_bytes:
@@ -193,7 +212,9 @@ def serve(folder: Path) -> None:
     try:
         content = _answered(plain.of_plain(_Request, json.loads(text)), folder)
         confined.answer(folder, content)
-    except Exception as error:  # noqa: BLE001  (the other process tells it)
+    except Exception as error:
+        if confined.is_full(error):
+            raise
         over = _exceeded(error)
         content = {"over": over} if over else _told_error(error)
         del error

@@ -1,5 +1,6 @@
 """Logs are read in a process of their own, which ends where it takes more than it may."""
 
+import errno
 import json
 import os
 import signal
@@ -15,6 +16,7 @@ from simcompare.errors import InputError, NoSuchFile
 from simcompare.hardware import confined, importing, reading_process
 from simcompare.hardware.logs import importers
 from simcompare.hardware.mapping import NOTHING, of_tree
+from simcompare.model import whole
 
 linux = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="limits are Linux's")
 MB = 1 << 20
@@ -218,3 +220,30 @@ def test_only_files_and_folders_are_read(tmp_path, monkeypatch):
         with pytest.raises(InputError, match=said):
             reading_process.read(Path(name), NOTHING)
     listening.close()
+
+
+def find_no_room(*_words, **_more):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.usefixtures("either_way")
+def test_a_full_disk_is_told_from_other_failures(tmp_path):
+    assert ending_of(find_no_room, tmp_path).is_full
+
+
+def test_a_full_temporary_folder_is_told_with_its_cure(log, monkeypatch):
+    monkeypatch.setattr(confined, "fork_is_safe", lambda: True)
+    monkeypatch.setattr(importing, "read", find_no_room)
+    with pytest.raises(InputError, match=r"is full.*name another folder, as in: TMPDIR=") as told:
+        reading_process.read(log, NOTHING)
+    assert told.value.where == tempfile.gettempdir()
+
+
+def test_what_a_killed_process_has_left_goes_with_the_next_one(log):
+    left = Path(tempfile.mkdtemp(prefix="simcompare-log-"))
+    (left / "numbers").write_bytes(b"half")
+    with whole.temporary("simcompare-log-") as lives:
+        reading_process.read(log, NOTHING)
+        assert lives.is_dir()
+    assert not left.exists()
+    assert not lives.exists()

@@ -16,6 +16,7 @@ import re
 import secrets
 import shutil
 import stat
+import tempfile
 from collections.abc import Callable, Iterator
 from io import BufferedReader
 from pathlib import Path
@@ -57,6 +58,22 @@ def write(place: Path, content: bytes) -> None:
     with _hidden(place, lambda path: path.open("xb").close()) as made:
         made.write_bytes(content)
         made.replace(place)
+
+
+@contextlib.contextmanager
+def temporary(prefix: str) -> Iterator[Path]:
+    """A folder for the time of the block; what killed processes have left of such goes, too.
+
+    Args:
+        prefix: what its name begins with, and that of nothing else.
+
+    Raises:
+        OSError: it cannot be made.
+    """
+    for left in Path(tempfile.gettempdir()).glob(f"{prefix}*"):
+        _sweep(left)
+    with _locked(lambda: Path(tempfile.mkdtemp(prefix=prefix))) as made:
+        yield made
 
 
 def probe(inside: Path) -> None:
@@ -120,15 +137,25 @@ def lock(path: Path, held: contextlib.ExitStack) -> bool | None:
 @contextlib.contextmanager
 def _hidden(place: Path, make: Callable[[Path], None]) -> Iterator[Path]:
     """Something hidden beside a place, locked, which is gone afterwards whatever happens."""
+
+    def begin() -> Path:
+        path = place.with_name(f".simcompare-{secrets.token_hex(8)}.partial")
+        make(path)
+        return path
+
     sweep(place.parent)
+    with _locked(begin) as made:
+        yield made
+
+
+@contextlib.contextmanager
+def _locked(make: Callable[[], Path]) -> Iterator[Path]:
+    """Something new, locked, which is gone afterwards."""
     with contextlib.ExitStack() as stack:
         while True:
-            made = place.with_name(f".simcompare-{secrets.token_hex(8)}.partial")
+            made = make()
             stack.callback(_remove, made)
-            make(made)
-            if (
-                lock(made, stack) is not False
-            ):  # else another writer has just taken it for a dead one's
+            if lock(made, stack) is not False:  # else a writer has just taken it for a dead one's
                 break
         yield made
 
