@@ -3,7 +3,7 @@
 import pytest
 
 from simcompare.comparison import memory
-from simcompare.comparison.repeats import repeats_of
+from simcompare.comparison.repeats import at_steps, repeats_of
 from simcompare.errors import InputError
 from simcompare.scenarios import catalogue
 
@@ -35,3 +35,11 @@ def test_a_count_in_a_scenario_is_held_against_it_too(write):
     )
     with pytest.raises(InputError, match="ball: 99999999999 repeats of"):
         repeats_of(catalogue.load(str(path)), {}, None, None, None)
+
+
+def test_many_steps_are_counted_together_before_any_is_made():
+    steps_s = [1e-6 * i for i in range(1, 3000)]
+    with pytest.raises(InputError) as fault:
+        at_steps(catalogue.load("ball"), {}, None, steps_s, None, 1)
+    assert str(fault.value).startswith("--step: 9 repeats of 35235584 samples at 2999 steps need ")
+    assert str(fault.value).endswith("; use fewer or longer steps, or fewer engines")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from decimal import Decimal
 
 from simcompare.errors import InputError
@@ -17,27 +18,33 @@ _USUAL = 16 * 10**9
 _TERABYTE, _GIGABYTE = 10**12, 10**9
 
 
-def check(scenario: Scenario, repeats: int, sources: int, where: str) -> None:
-    """Refuses more repeats than this machine can hold.
+def check(
+    scenario: Scenario, repeats: int, sources: int, where: str, steps_s: Sequence[float] = ()
+) -> None:
+    """Refuses more repeats, or more steps, than this machine can hold.
 
     Args:
         scenario: one of them.
         repeats: number of them.
         sources: that are simulated, each by itself, at its level.
         where: the option or scenario that asks for them.
+        steps_s: times between samples [s], where they are not the scenario's own.
 
     Raises:
         InputError: they do not fit; says how many do.
     """
-    samples = round(scenario.world.duration_s / scenario.world.step_s) + 1
-    moving = sum(not body.fixed for body in scenario.bodies.values())
-    each = _REPEAT + sources * samples * _NUMBER * (1 + _OF_BODY * moving)
+    world = scenario.world
+    counts = [round(world.duration_s / step_s) + 1 for step_s in steps_s or [world.step_s]]
+    samples, moving = sum(counts), len(scenario.moving_bodies())
+    each = len(counts) * _REPEAT + sources * samples * _NUMBER * (1 + _OF_BODY * moving)
     needed, memory = repeats * each, total()
     if needed <= memory:
         return
     most = memory // each
     cure = f"at most {most} fit" if most else "use a longer --step or fewer engines"
+    cure = "use fewer or longer steps, or fewer engines" if len(counts) > 1 else cure
     what = f"{_count(repeats)} repeats of " * (repeats > 1) + f"{samples} samples"
+    what += f" at {len(counts)} steps" * (len(counts) > 1)
     times = f" of {sources} sources" if sources > 1 else ""
     fault = f"{what}{times} need {_said(needed)} of memory, and {_said(memory)} are here; {cure}"
     raise InputError(where, [fault])

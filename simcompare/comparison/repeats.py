@@ -74,6 +74,11 @@ def at_steps(
             machine can hold.
     """
     steps: list[AtStep] = []
+    if len(steps_s) > 1:
+        nominal = file.resolve(values, preset=preset)
+        repeats = count or (nominal.dither.count if nominal.dither else 1)
+        given_s = [step_s or nominal.world.step_s for step_s in steps_s]
+        memory.check(nominal, repeats, sources, "--step", given_s)
     for step_s in steps_s:
         scenarios = repeats_of(file, values, preset, step_s, count, sources)
         nominal = scenarios[len(scenarios) // 2]
@@ -132,7 +137,9 @@ def sample_steps_s(
     Raises:
         InputError: a step that makes no sense in the scenario; says which do.
     """
-    sampled_s = [sample_step_s(file, values, preset, one) for one in read_steps(step)]
+    asked = read_steps(step)
+    nominal = file.resolve(values, preset=preset) if asked else None
+    sampled_s = [_sampled_s(nominal, one) for one in asked if nominal is not None]
     return list({step_words(step_s): step_s for step_s in sampled_s}.values())
 
 
@@ -183,7 +190,10 @@ def sample_step_s(
     Raises:
         InputError: a step that makes no sense in the scenario; says which do.
     """
-    nominal = file.resolve(values, preset=preset)
+    return _sampled_s(file.resolve(values, preset=preset), step)
+
+
+def _sampled_s(nominal: Scenario, step: str | float) -> float:
     step_s = one_step_s(step) * nominal.world.substeps
     check_sample_step(nominal, step, step_s)
     return step_s
