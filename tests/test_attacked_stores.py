@@ -56,10 +56,11 @@ def load_run(place, _):
     return [array for one in moved for array in (one.time_s, *one.signals.values())]
 
 
-def edit(folder, change):
+def edit(folder, change, **more):
     """Changes what recording.json says of its first stream."""
     path = folder / "recording.json"
     head = json.loads(path.read_text(encoding="utf-8"))
+    head |= more
     change(head["streams"]["fast"])
     path.write_text(json.dumps(head), encoding="utf-8")
 
@@ -99,12 +100,26 @@ def test_the_table_of_another_stream_is_told(recording):
 
 
 def test_a_recording_of_an_older_simcompare_is_read(recording):
-    edit(recording, lambda stream: stream.pop("sha256"))
+    edit(recording, lambda stream: stream.pop("sha256"), format=1)
     assert len(recording_store.load(recording).streams["fast"].time_s) == 3
 
 
+def test_a_digest_that_was_taken_away_is_missed(recording):
+    edit(recording, lambda stream: stream.pop("sha256"))
+    told = r"streams\.fast\.sha256: is missing; expected the digest of stream-001\.parquet; import "
+    with pytest.raises(InputError, match=told):
+        recording_store.load(recording)
+
+
+def test_a_description_without_end_is_not_read(recording):
+    with (recording / "recording.json").open("ab") as file:
+        file.truncate(20 * 10**9)  # no byte of it is on the disk
+    with pytest.raises(InputError, match=r"recording\.json: has more than 64 MB, which no such f"):
+        recording_store.load(recording)
+
+
 def test_the_samples_of_an_old_recording_are_counted(recording):
-    edit(recording, lambda stream: (stream.pop("sha256"), stream.update(samples=4)))
+    edit(recording, lambda stream: (stream.pop("sha256"), stream.update(samples=4)), format=1)
     with pytest.raises(InputError, match=r"holds 3 rows; expected 4; import the log again"):
         recording_store.load(recording)
 

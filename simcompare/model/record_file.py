@@ -17,6 +17,8 @@ from simcompare.model.plain import faults, of_plain, plain
 Record = TypeVar("Record")
 #: whole numbers above it are none that we wrote: float64 does not hold each of them
 _LARGEST = 1 << 53
+#: largest file: far more than a description has, as numbers of samples are in tables
+_MOST_BYTES = 64 * 10**6
 #: unknown names that are listed
 _LISTED = 3
 
@@ -29,11 +31,15 @@ def read(path: Path, again: str) -> object:
         again: what makes it anew, such as "run it again".
 
     Raises:
-        InputError: it cannot be read, or is no JSON.
+        InputError: it cannot be read, is too large, or is no JSON.
     """
     try:
         with whole.opened(path, links=True) as file:
-            text = file.read().decode()
+            content = file.read(_MOST_BYTES + 1)
+        if len(content) > _MOST_BYTES:
+            fault = f"has more than {_MOST_BYTES / 1e6:g} MB, which no such file needs; {again}"
+            raise InputError(str(path), [fault])
+        text = content.decode()
         return json.loads(
             text, parse_constant=_no_number, parse_float=_finite, parse_int=_countable
         )

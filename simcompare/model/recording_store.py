@@ -28,8 +28,8 @@ from simcompare.model.recording import (
 from simcompare.model.trajectory import Array
 
 HEAD = "recording.json"
-#: version of what recording.json holds
-FORMAT = 1
+#: version of what recording.json holds, and the first one, which told no digests
+FORMAT, _FIRST_FORMAT = 2, 1
 #: the clock in every table
 TIME = "time_s"
 _TABLE = re.compile(r"stream-\d{3,}\.parquet")
@@ -102,7 +102,7 @@ class _StreamHead:
     """What recording.json says of a stream: its table, and what that does not hold.
 
     Attributes:
-        sha256: digest of the table; the first recordings that were stored do not tell it.
+        sha256: digest of the table; the first format does not tell it.
     """
 
     table: str
@@ -160,7 +160,7 @@ def load(folder: Path) -> Recording:
 def _load(path: Path) -> Recording:
     content = record_file.read(path, _AGAIN)
     found = content.get("format") if isinstance(content, dict) else content
-    if found != FORMAT or isinstance(found, bool):
+    if found not in (_FIRST_FORMAT, FORMAT) or isinstance(found, bool):
         fault = f"format {found!r} is not known; expected {FORMAT}"
         raise InputError(str(path), [f"{fault}; {_AGAIN}, or update simcompare"])
     head = record_file.record(_Head, content, path)
@@ -184,6 +184,11 @@ def _check_tables(path: Path, head: _Head) -> None:
         f" stream-001.parquet; {_AGAIN}"
         for name, one in head.streams.items()
         if not _TABLE.fullmatch(one.table)
+    ]
+    faults += [
+        f"streams.{name}.sha256: is missing; expected the digest of {one.table}; {_AGAIN}"
+        for name, one in head.streams.items()
+        if head.format > _FIRST_FORMAT and not one.sha256
     ]
     if len(set(tables)) < len(tables):
         faults.append(f"two streams have the same table; {_AGAIN}")

@@ -11,7 +11,7 @@ from simcompare.hardware.sensors.error_model import Reading
 from simcompare.model import parquet
 from simcompare.model.parquet import Table
 from simcompare.model.trajectory import Array
-from simcompare.results.records.run import Record, RunRecord
+from simcompare.results.records.run import Record
 from simcompare.results.run import Run, StoredReading
 
 READINGS = "readings.parquet"
@@ -50,9 +50,7 @@ def load(record: Record, folder: Path, again: str) -> tuple[StoredReading, ...]:
     path = folder / READINGS
     if READINGS not in record.tables and not path.exists():
         return ()
-    sensing = record.sensing if isinstance(record, RunRecord) else None
-    older = Table() if sensing is None else Table(sensing.sha256)
-    columns = parquet.read(path, record.tables.get(READINGS, older), again)
+    columns = parquet.read(path, record.tables.get(READINGS, Table()), again)
     _check(path, columns, again)
     keys = list(zip(*(columns[name].tolist() for name in _INDEX), strict=True))
     starts = [i for i, key in enumerate(keys) if i == 0 or key != keys[i - 1]]

@@ -152,7 +152,7 @@ def load_record(place: str | Path) -> Run:
         raise _no_run(named)
     from simcompare.results.records import stored  # fits and validations are read nowhere else
 
-    return Run(stored.read(path), (), place)
+    return Run(stored.read(path, (TRAJECTORIES, readings_file.READINGS)), (), place)
 
 
 def _no_run(place: Path) -> InputError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from simcompare.errors import InputError
@@ -17,13 +17,24 @@ _KINDS: Mapping[str, type[Record]] = {
 }
 
 
-def read(path: Path) -> Record:
+def read(path: Path, tables: Sequence[str] = ()) -> Record:
     """The record of a run, a fit or a validation.
+
+    Args:
+        path: the file.
+        tables: names of files beside it, whose digests it tells, but for the first format.
 
     Raises:
         InputError: it cannot be read; says where it is damaged.
     """
-    return of_plain(record_file.read(path, "run it again"), path)
+    data = record_file.read(path, "run it again")
+    found = of_plain(data, path)
+    told = {name for name, table in found.tables.items() if table.sha256}
+    lacking = [name for name in tables if name not in told and path.with_name(name).exists()]
+    if lacking and isinstance(data, dict) and data["format"] != FIRST_FORMAT:
+        faults = [f"tables: tells no digest of {name}; run it again" for name in lacking]
+        raise InputError(str(path), faults)
+    return found
 
 
 def of_plain(data: object, path: Path = Path("record")) -> Record:
