@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from simcompare.errors import InputError, unknown_or_missing
+from simcompare.model import user_file
 
 if TYPE_CHECKING:
     from simcompare.scenarios.reference_file import Reference
@@ -81,6 +82,7 @@ def find(name: str) -> Path:
         is_file = is_folder = False
     if is_file:
         return path
+    user_file.check_is_stored(path)
     if is_folder:
         inside = path / f"{path.resolve().name or 'NAME'}.yaml"
         if not inside.is_file():

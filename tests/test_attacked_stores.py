@@ -16,6 +16,7 @@ import simcompare
 from simcompare.errors import InputError
 from simcompare.model import recording_store
 from simcompare.results import store
+from simcompare.scenarios import catalogue
 from tests.attacks import stores
 from tests.test_recording_store import a_recording
 from tests.test_store import synthetic
@@ -128,3 +129,18 @@ def test_what_a_newer_simcompare_added_is_told(recording):
     edit(recording, lambda stream: stream.update(drift=0.1))
     with pytest.raises(InputError, match=r"not known here: streams\.fast\.drift; a newer simcompa"):
         recording_store.load(recording)
+
+
+def test_what_is_no_file_is_called_what_it_is(tmp_path):
+    os.mkfifo(tmp_path / "mine.yaml")
+    with pytest.raises(InputError, match=r"mine\.yaml: is a named pipe; expected a file"):
+        catalogue.find(str(tmp_path / "mine.yaml"))
+    with pytest.raises(InputError, match=r"/dev/zero: is a device; expected a file"):
+        catalogue.find("/dev/zero")
+    os.mkfifo(tmp_path / "run.json")
+    with pytest.raises(InputError, match=r"run\.json: is a named pipe; expected a file"):
+        store.load(tmp_path)
+    (tmp_path / "run.json").unlink()
+    (tmp_path / "run.json").mkdir()
+    with pytest.raises(InputError, match=r"run\.json: is a folder; expected a file"):
+        store.load(tmp_path)

@@ -18,7 +18,7 @@ import numpy as np
 
 from simcompare.comparison.comparison import Score
 from simcompare.errors import InputError, NoSuchFile, OutputError
-from simcompare.model import parquet, plain, whole
+from simcompare.model import parquet, plain, user_file, whole
 from simcompare.model.parquet import Table
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
@@ -162,6 +162,9 @@ def _no_run(place: Path) -> InputError:
     if unfinished.is_unfinished(place):
         fault = f"was ended before it was complete; go on with: {unfinished.resuming(place)}"
         return InputError(str(place), [fault])
+    if (place / RECORD).is_dir():
+        raise InputError(str(place / RECORD), ["is a folder; expected a file"])
+    user_file.check_is_stored(place / RECORD)
     inside = sorted(path.parent for path in place.glob(f"*/{RECORD}"))
     fault = f"is not a stored run: it holds no {RECORD}"
     if inside:
