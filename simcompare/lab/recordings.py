@@ -64,7 +64,7 @@ def received(path: Path, kind: str) -> Plain:
         return _of_sound(path)
     is_table = tables.is_table(path)
     recording = None if is_table else import_log(path, out=path.with_name(IMPORTED))
-    return {"kind": kind, "impacts": [], **_drop_of(path, recording)}
+    return {"kind": kind, **_drop_of(path, recording)}
 
 
 def _of_sound(path: Path) -> Plain:
@@ -82,9 +82,9 @@ def _of_sound(path: Path) -> Plain:
         "rate_hz": shortened(rate_hz),
         "duration_s": shortened(float(stream.time_s[-1])),
         "wave": envelope(stream.time_s, sound.values),
+        **found,
         "impacts": [_impact(one) for one in heard[:_MOST]],
         "notes": notes,
-        **found,
     }
 
 
@@ -144,8 +144,14 @@ def _drop_of(path: Path, recording: Recording | None) -> Plain:
             drops = reading.from_recording(recording)
     except InputError as error:
         several = recording is not None and len(_impacts(recording)) > _FEW
-        return {"notes": [*([_MIXED] if several else []), *map(_sentence, error.faults)]}
-    return {"notes": list(_of_drops(drops)), "drop": drop(drops[0])}
+        notes = [*([_MIXED] if several else []), *map(_sentence, error.faults)]
+        return {"notes": notes, "impacts": []}
+    first = drops[0]
+    times = [
+        {"time_s": round(float(at), 7), "u_s": shortened(float(u))}
+        for at, u in zip(first.times_s, first.u_s, strict=True)
+    ]
+    return {"notes": list(_of_drops(drops)), "drop": drop(first), "impacts": times}
 
 
 def _sentence(fault: str) -> str:
@@ -157,11 +163,11 @@ def _of_drops(drops: Sequence[Impacts]) -> Iterator[str]:
     first = drops[0]
     if len(drops) > 1:
         yield f"{len(drops)} drops follow each other; all of them are fitted together."
-    out = sum(len(one.dropped) for one in drops)
+    out = sum(other.what == "impact" for one in drops for other in one.dropped)
     whole = out + sum(len(one.times_s) for one in drops)
     if whole and out > (1 - _ENOUGH) * whole:
         yield f"{_MIXED} {out} of {whole} are left out."
-    for one in first.dropped[:_TOLD]:
+    for one in [one for one in first.dropped if one.what == "impact"][:_TOLD]:
         yield f"Impact {one.number} at {one.time_s:.3f} s is left out: {one.reason}."
     for number in first.missed:
         yield f"Impact {number} was not heard; the flights about it count as one."
@@ -192,7 +198,7 @@ def drop(one: Impacts) -> Plain:
         "middle": shortened(middle),
         "heights_m": [{"bounce": n, "value": shortened(v)} for n, v in heights.items()],
         "drop_height_m": shortened(height),
-        "left_out": [other.number - 1 for other in one.dropped],
+        "left_out": [other.number - 1 for other in one.dropped if other.what == "impact"],
         "begin_s": _begin_s(one, height),
     }
 

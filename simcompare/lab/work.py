@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from simcompare.errors import UnknownName
+from simcompare.errors import InputError, UnknownName
 from simcompare.glossary import LANGUAGES
-from simcompare.lab import facts, fits, recordings, runs, takeaways
-from simcompare.lab.asked import Asked
+from simcompare.lab import facts, fits, recordings, runs, takeaways, video
+from simcompare.lab.asked import Asked, number
 from simcompare.model.plain import Plain
 from simcompare.running import doctor
 from simcompare.running.runner import kept_processes
@@ -66,7 +66,17 @@ def _scenario(asked: Asked) -> Plain:
 
 
 def _recording(asked: Asked) -> Plain:
-    return recordings.received(Path(asked.text("path")), asked.text("kind"))
+    path = Path(asked.text("path"))
+    kind = asked.one_of("kind", (recordings.SOUND, recordings.VIDEO, recordings.TABLE))
+    return video.received(path) if kind == recordings.VIDEO else recordings.received(path, kind)
+
+
+def _scale(asked: Asked) -> Plain:
+    place = asked.recording()
+    if place is None:
+        raise InputError("recording", ["none is named; send a film first"])
+    metres = number(asked.request.get("metres"), "metres")
+    return video.scaled(place, asked.request.get("points"), metres)
 
 
 _KINDS: Mapping[str, Callable[[Asked], Plain]] = {
@@ -78,4 +88,5 @@ _KINDS: Mapping[str, Callable[[Asked], Plain]] = {
     "script": takeaways.script,
     "report": takeaways.report,
     "recording": _recording,
+    "scale": _scale,
 }
