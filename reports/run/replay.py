@@ -13,11 +13,16 @@ from simcompare.reports.run import runs
 from simcompare.reports.run.source_styles import look
 from simcompare.results.run import Run
 
+CAPTION = (
+    "Play it, slow it down, or drag the slider. Side by side is for the eye: every engine has the"
+    " whole scene for itself."
+)
+
 
 def replay_of(run: Run) -> Replay | None:
     """The replay of the nominal repeats; ``None`` where no source tells where a body is."""
     sources = [*_sources(run)]
-    return staged(run.record.scene, sources, _caption(run, sources))
+    return staged(run.record.scene, sources, CAPTION)
 
 
 def _sources(run: Run) -> Iterator[Source]:
@@ -30,12 +35,3 @@ def _sources(run: Run) -> Iterator[Source]:
             trajectory = runs.nominal(run, name, mode)
             if trajectory is not None:
                 yield Source(name, look(run, name).colour, runs.mode_title(mode), trajectory)
-
-
-def _caption(run: Run, sources: list[Source]) -> str:
-    first = next((source.level for source in sources if source.level), "")
-    begins = f"Shown first: {first}. " if len(runs.modes(run)) > 1 else ""
-    return (
-        f"{begins}Play it, slow it down, or draw the time. Side by side is for the eye: every"
-        " engine has the whole scene for itself."
-    )

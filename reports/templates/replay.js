@@ -2,10 +2,10 @@
 // plays what bodies do, of several sources at once; the box around it has the stage and the controls
 const Replay = (() => {
   const LINE = 14, SHADE = { ambient: 0.65, diffuse: 0.6, specular: 0.1, roughness: 0.8 };
-  // height of the stage, and its width over its height, in the units in which Plotly places the eye
-  const HIGH = 1.15, WIDE = { corner: 0.85, front: 1.35 };
-  // more names than these stand in two rows
-  const CLOSE = 5;
+  // half of the height that Plotly's eye sees at distance 1; parts of the stage that the scene may fill
+  const SEEN_HALF = Math.tan(Math.PI / 8), FILL = { wide: 0.94, high: 0.8 };
+  // width of a letter in a name, and rows in which names stand at most: more of them are left to the list
+  const LETTER = 7.5, ROWS = 2;
   // a whole number that is 1 in a quaternion
   const ONE = 32767;
   const FLOOR = "#E8E8E8", SEEN = { several: 0.72, alone: 1 };
@@ -18,6 +18,7 @@ const Replay = (() => {
     "from the side": (across) => (across === 1 ? { x: 0, y: -1.9, z: 0.12 } : { x: 1.9, y: 0, z: 0.12 }),
     "from above": () => ({ x: 0, y: -0.01, z: 2.2 }),
   };
+  const WEBGL = Boolean(document.createElement("canvas").getContext("webgl"));
   class Replay {
     constructor(box) {
       this.box = box;
@@ -26,6 +27,11 @@ const Replay = (() => {
       this.playing = false;
       this.control("play").addEventListener("click", () => this.toggle());
       this.control("time").addEventListener("input", (event) => this.seek(Number(event.target.value)));
+      this.control("time").addEventListener("keydown", (event) => {
+        if (event.key !== " ") return;
+        event.preventDefault();
+        this.toggle();
+      });
       this.control("view").addEventListener("change", () => this.look());
       this.control("lanes").addEventListener("change", () => this.draw());
       if (this.control("level")) this.control("level").addEventListener("change", () => this.list());
@@ -142,12 +148,19 @@ const Replay = (() => {
       ]);
       return { ...this.mesh(places, faces, FLOOR, 1, ""), lighting: { ambient: 0.85, diffuse: 0.25, specular: 0 } };
     }
-    // the name of each source: at the foot of its lane, or above where floors would hide it
+    // in so many rows names do not lie on each other, seen from the front
+    rows(shown) {
+      const longest = Math.max(...shown.map((one) => this.short(one).length + 1)) * LETTER;
+      return this.faces ? Math.ceil(longest * shown.length / (FILL.wide * this.plot.clientWidth)) : 1;
+    }
+    short(actor) { return actor.label.replace(/ \(.*/, ""); }
+    // the name of each source: at the foot of its lane, or above where floors or another name would hide it
     names(shown, shifts) {
-      const { low, high, across } = this.scene;
-      const axes = [0, 1, 2].map((axis) => shifts.map((shift) => (axis === across ? (low[axis] + high[axis]) / 2 + shift : axis === 2 && !this.faces ? high[axis] : low[axis])));
+      const { low, high, across } = this.scene, rows = this.rows(shown);
+      const above = shown.map((_, i) => !this.faces || i % rows > 0);
+      const axes = [0, 1, 2].map((axis) => shifts.map((shift, i) => (axis === across ? (low[axis] + high[axis]) / 2 + shift : axis === 2 && above[i] ? high[axis] : low[axis])));
       const [x, y, z] = axes;
-      return { type: "scatter3d", mode: "text", x, y, z, text: shown.map((one, i) => (shown.length > CLOSE && i % 2 ? "\u00a0<br>" : "") + one.label.replace(/ \(.*/, "")), textfont: { size: LINE - 1, color: "#222" }, textposition: this.faces ? "bottom center" : "top center", hoverinfo: "skip" };
+      return { type: "scatter3d", mode: "text", x, y, z, text: shown.map(this.short), textfont: { size: LINE - 1, color: "#222" }, textposition: above.map((one) => (one ? "top center" : "bottom center")), hoverinfo: "skip" };
     }
     range(shifts) {
       return [0, 1, 2].map((axis) => {
@@ -155,19 +168,39 @@ const Replay = (() => {
         return [this.scene.low[axis] - wider, this.scene.high[axis] + wider];
       });
     }
-    // a metre is as long along each axis, and the whole fits into the stage
+    // a metre is as long along each axis, and the whole is as large as fits into the stage
     aspect(range) {
-      const sizes = range.map(([low, high]) => high - low), stage = this.plot.clientWidth / this.plot.clientHeight;
-      const unit = Math.max(sizes[2] / HIGH, Math.hypot(sizes[0], sizes[1]) / ((this.faces ? WIDE.front : WIDE.corner) * stage));
-      return Object.fromEntries(["x", "y", "z"].map((key, axis) => [key, sizes[axis] / unit]));
+      const sizes = range.map(([low, high]) => high - low), longest = Math.max(...sizes), { x, y, z } = this.camera().eye;
+      let low = 0, high = 4;
+      for (let k = 0; k < 24; k += 1) {
+        const scale = (low + high) / 2;
+        if (this.fits(sizes.map((one) => one / longest * scale), [x, y, z])) low = scale;
+        else high = scale;
+      }
+      return Object.fromEntries(["x", "y", "z"].map((key, axis) => [key, sizes[axis] / longest * low]));
+    }
+    // whether a box about the origin is seen as a whole from a place
+    fits(sizes, eye) {
+      const dot = (a, b) => a.reduce((sum, one, i) => sum + one * b[i], 0), unit = (a) => a.map((one) => one / Math.hypot(...a));
+      const ahead = unit(eye.map((one) => -one)), right = unit([ahead[1], -ahead[0], 0]);
+      const up = [right[1] * ahead[2], -right[0] * ahead[2], right[0] * ahead[1] - right[1] * ahead[0]];
+      const stage = this.plot.clientWidth / this.plot.clientHeight;
+      return [0, 1, 2, 3, 4, 5, 6, 7].every((n) => {
+        const corner = sizes.map((one, axis) => ((n >> axis) & 1 ? one : -one) / 2), half = (Math.hypot(...eye) + dot(corner, ahead)) * SEEN_HALF;
+        return half > 0.05 && Math.abs(dot(corner, up)) < FILL.high * half && Math.abs(dot(corner, right)) < FILL.wide * stage * half;
+      });
     }
     draw() {
       if (!this.scene || !this.plot.clientWidth) return;
+      if (!WEBGL) {
+        this.plot.textContent = this.box.dataset.flat || "";
+        return;
+      }
       const shown = this.shown, shifts = this.shifts(shown), lanes = this.control("lanes").checked;
       const seen = shown.length > 1 && !lanes ? SEEN.several : SEEN.alone;
       const data = shown.map((actor, n) => this.mesh(this.corners(actor, shifts[n]), this.triangles(actor), this.tones(actor), seen, actor.label));
       if (this.scene.still.corners[0].length + this.scene.ground.corners[0].length) data.push(this.still(shifts));
-      if (lanes && shown.length > 1) data.push(this.names(shown, shifts));
+      if (lanes && shown.length > 1 && this.rows(shown) <= ROWS) data.push(this.names(shown, shifts));
       // lanes have no place of their own, and what is seen from its end has no length
       const bare = (i) => lanes && i < 2 && (i === this.scene.across || this.faces);
       const range = this.range(shifts), sizes = range.map(([low, high]) => high - low), longest = Math.max(...sizes);
@@ -184,6 +217,7 @@ const Replay = (() => {
     }
     camera() { return { eye: VIEWS[this.control("view").value](this.scene.across), center: { x: 0, y: 0, z: 0 } }; }
     look() {
+      if (!this.plot.layout) return;
       this.plot.layout.scene.camera = this.camera();
       this.draw();
     }
