@@ -144,3 +144,12 @@ def test_what_is_no_file_is_called_what_it_is(tmp_path):
     (tmp_path / "run.json").mkdir()
     with pytest.raises(InputError, match=r"run\.json: is a folder; expected a file"):
         store.load(tmp_path)
+
+
+def test_no_foreign_command_is_offered_for_pasting(tmp_path):
+    folder = store.save(synthetic(), tmp_path).folder
+    record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+    record["command"] = ["rm", "-r", "runs"]
+    (folder / "run.json").write_text(json.dumps(record), encoding="utf-8")
+    with pytest.raises(InputError, match=r"run\.json: command: is none of simcompare"):
+        store.load(folder)

@@ -55,7 +55,11 @@ def of_plain(data: object, path: Path = Path("record")) -> Record:
     if is_old:
         data = of_today(data, FORMAT)
     _expect("kind", data.get("kind"), tuple(_KINDS), path)
-    return record_file.record(_KINDS[data["kind"]], data, path, more=is_old)
+    found = record_file.record(_KINDS[data["kind"]], data, path, more=is_old)
+    if found.command is not None and found.command[:1] != ("simcompare",):
+        # it is printed for pasting
+        raise InputError(str(path), ["command: is none of simcompare"])
+    return found
 
 
 def _check_age(number: object, path: Path) -> None:
