@@ -14,6 +14,7 @@ import pytest
 
 from simcompare.engine import engines
 from simcompare.model.settings import Settings
+from simcompare.running import process
 from simcompare.running.jobs import FAILED, MISSING, OK, UNSUPPORTED, Job
 from simcompare.running.runner import kept_processes, run_jobs
 from simcompare.scenarios import catalogue
@@ -212,6 +213,19 @@ def test_very_much_noise_neither_blocks_nor_fills_the_record(add_engine, fall):
     assert outcome.status == OK
     assert outcome.noise.endswith("the end")
     assert len(outcome.noise) < 10_000
+
+
+def test_what_an_engine_prints_fills_no_disk_and_its_end_is_told(monkeypatch):
+    monkeypatch.setattr(process, "_MOST_NOISE_BYTES", 10_000)
+    one = process.EngineProcess("x")
+    for end in (b"first end", b"second end"):
+        one.stderr.write(b"noise " * 5000 + end)
+        one.stderr.flush()
+        one.throw_noise_away()
+        assert one.stderr.seek(0, os.SEEK_END) == 0
+        one.stderr.write(b" and more")
+        assert one.noise().endswith(f"{end.decode()} and more")
+    one.stderr.close()
 
 
 def test_what_an_engine_lacks_is_unsupported_and_no_failure(fall):

@@ -21,7 +21,9 @@ from simcompare.running.worker import Work, packed
 
 #: how long an engine may take to end after its last result [s]
 LEAVE_LIMIT_S = 2.0
-_NOISE_KEPT = 4000
+#: letters of what a process printed that are told; bytes above which the rest is thrown away, and
+#: how often it is looked [s]
+_NOISE_KEPT, _MOST_NOISE_BYTES, _LOOK_S = 4000, 64 * 2**20, 1.0
 
 Message = tuple[int, Outcome | Reply[Any]] | None
 #: ``None`` where there is only something else to look at
@@ -48,10 +50,10 @@ class EngineProcess:
         self.deadline, self.done = 0.0, 0
         # whoever reads it does not move the place where the process writes
         self.stderr: IO[bytes] = tempfile.TemporaryFile("a+b")  # noqa: SIM115  (closed by the runner)
-        self._heard = 0
+        self._heard, self._before, self._reading = 0, b"", threading.Lock()
         self._exit_code: int | None = None
         self._process: subprocess.Popen[bytes] | None = None
-        self._has_ended, self._owner = False, os.getpid()
+        self._has_ended, self._owner = threading.Event(), os.getpid()
         self._fault = ""
         #: jobs without an answer, each with its number in this process and its index
         self._owed: deque[tuple[int, int, Job | Inquiry[Any]]] = deque()
@@ -60,7 +62,7 @@ class EngineProcess:
     @property
     def lives(self) -> bool:
         """Whether it can be given jobs; a copy of this process cannot, they would be mixed."""
-        return not self._has_ended and self._owner == os.getpid()
+        return not self._has_ended.is_set() and self._owner == os.getpid()
 
     def begin(self, jobs: Work, inbox: Inbox, *, is_last: bool) -> None:
         """Gives it jobs, whose outcomes come into the inbox.
@@ -96,6 +98,7 @@ class EngineProcess:
             )
         threading.Thread(target=self._listen, daemon=True).start()
         threading.Thread(target=self._watch, args=(self._process,), daemon=True).start()
+        threading.Thread(target=self._bound_noise, daemon=True).start()
 
     def _tell(self, jobs: Work, is_last: bool) -> None:
         # if it died at once, the end of its answers says so
@@ -112,7 +115,7 @@ class EngineProcess:
             pass
         except Exception as error:  # noqa: BLE001  (an engine may have sent anything)
             self._fault = f"it sent {error}" if isinstance(error, BadFrame) else _unread(error)
-        self._has_ended = True
+        self._has_ended.set()
         self._inbox.put((self, None))
 
     def _next(self) -> Message:
@@ -145,12 +148,31 @@ class EngineProcess:
 
     def noise(self) -> str:
         """What the process printed during its last jobs, the end of it where it is long."""
+        with self._reading:
+            said, self._before = self._before + self._new_noise(), b""
+        text = said.decode("utf-8", errors="replace").strip()
+        return text if len(text) <= _NOISE_KEPT else "… " + text[-_NOISE_KEPT:]
+
+    def _new_noise(self) -> bytes:
         size = self.stderr.seek(0, os.SEEK_END)
         # a letter takes four bytes at most
         self.stderr.seek(max(self._heard, size - 4 * _NOISE_KEPT - 4))
         self._heard = size
-        text = self.stderr.read().decode("utf-8", errors="replace").strip()
-        return text if len(text) <= _NOISE_KEPT else "… " + text[-_NOISE_KEPT:]
+        return self.stderr.read()
+
+    def _bound_noise(self) -> None:
+        """Looks now and then that what the process prints does not fill the disk."""
+        while not self._has_ended.wait(_LOOK_S):
+            with contextlib.suppress(OSError, ValueError):  # it has just been closed
+                self.throw_noise_away()
+
+    def throw_noise_away(self) -> None:
+        """Makes room on the disk where much was printed; the end is still told."""
+        with self._reading:
+            if self.stderr.seek(0, os.SEEK_END) > _MOST_NOISE_BYTES:
+                self._before = self._new_noise()
+                self.stderr.truncate(0)
+                self._heard = 0
 
     def leave(self) -> int:
         """Waits a moment for the process to end by itself, else ends it; its exit code."""
