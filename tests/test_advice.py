@@ -71,6 +71,8 @@ ELSEWHERE = (
 )  # fmt: skip
 _OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*[a-z]")
 _COMMAND = re.compile(r"simcompare ([a-z]+)((?: (?!simcompare)[^;,:)\n]+)?)")
+#: commands of other programs
+_OTHERS = re.compile(r"\b\w+\.py [^;]*")
 
 
 @cache
@@ -125,7 +127,7 @@ def printed_by(place: str) -> set[str]:
 
 def faults(place: str, text: str) -> list[str]:
     """Options in a message that the verb, by which it is printed or that it names, has not."""
-    wrong = []
+    wrong, text = [], _OTHERS.sub("", text)
     for verb, rest in _COMMAND.findall(text):
         if verb in options():
             named = {*_OPTION.findall(rest)} - FOREIGN
