@@ -41,6 +41,7 @@ DOORS = ("simcompare", "simcompare.__main__")
 #: where a module of ours may be imported late, and what is saved by it
 LATE = {
     "simcompare.cli": "help and completion answer at once, without numpy and pydantic",
+    "simcompare.verbs.import_log": "tables of results are known where a log may be one of them",
     "simcompare.verbs.levels": "the file of a fit is read where a level is one",
     "simcompare.results.store": "records of fits and validations are read where one is stored",
     "simcompare.reports.sections": "sections of fits and validations are read for these alone",

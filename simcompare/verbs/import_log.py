@@ -13,7 +13,6 @@ from simcompare.hardware import mapping as mappings
 from simcompare.hardware import reading_process
 from simcompare.model import recording_store
 from simcompare.model.recording import Clock, Event, Provenance, Recording
-from simcompare.validation.tabled import tables
 
 
 @checked
@@ -64,6 +63,8 @@ def import_log(
 
 def _told_as_table(error: InputError, log: Path) -> InputError:
     """The same error, which says for which scenario a log is a table of results, where it is."""
+    from simcompare.validation.tabled import tables
+
     names = tables.fitting(log)
     if not names:
         return error
