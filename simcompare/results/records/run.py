@@ -23,7 +23,7 @@ from simcompare.results.records.sensing import Sensing
 from simcompare.running.jobs import OK
 
 #: version of what is stored
-FORMAT = 2
+FORMAT = 3
 
 
 @dataclass(frozen=True)

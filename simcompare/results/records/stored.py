@@ -15,6 +15,8 @@ from simcompare.results.records.validation import ValidationRecord
 _KINDS: Mapping[str, type[Record]] = {
     kind.kind: kind for kind in (RunRecord, FitRecord, ValidationRecord)
 }
+#: formats that did not tell the digests of their tables
+_WITHOUT_DIGESTS = (FIRST_FORMAT, 2)
 
 
 def read(path: Path, tables: Sequence[str] = ()) -> Record:
@@ -22,7 +24,7 @@ def read(path: Path, tables: Sequence[str] = ()) -> Record:
 
     Args:
         path: the file.
-        tables: names of files beside it, whose digests it tells, but for the first format.
+        tables: names of files beside it, whose digests it tells since format 3.
 
     Raises:
         InputError: it cannot be read; says where it is damaged.
@@ -31,7 +33,7 @@ def read(path: Path, tables: Sequence[str] = ()) -> Record:
     found = of_plain(data, path)
     told = {name for name, table in found.tables.items() if table.sha256}
     lacking = [name for name in tables if name not in told and path.with_name(name).exists()]
-    if lacking and isinstance(data, dict) and data["format"] != FIRST_FORMAT:
+    if lacking and isinstance(data, dict) and data["format"] not in _WITHOUT_DIGESTS:
         faults = [f"tables: tells no digest of {name}; run it again" for name in lacking]
         raise InputError(str(path), faults)
     return found
@@ -50,7 +52,7 @@ def of_plain(data: object, path: Path = Path("record")) -> Record:
     if not isinstance(data, dict):
         raise InputError(str(path), [f"holds a {type(data).__name__}, not an object"])
     _check_age(data.get("format"), path)
-    _expect("format", data.get("format"), (FIRST_FORMAT, FORMAT), path)
+    _expect("format", data.get("format"), (*_WITHOUT_DIGESTS, FORMAT), path)
     is_old = data["format"] == FIRST_FORMAT
     if is_old:
         data = of_today(data, FORMAT)
