@@ -8,7 +8,7 @@ import pytest
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning.units import quantity
+from simcompare.hardware.conditioning.units import endings, quantity
 
 G, DEG, RPM = 9.80665, math.pi / 180, math.pi / 30
 INCH, FOOT, LBF = 0.0254, 0.3048, 4.4482216152605
@@ -227,10 +227,31 @@ def test_an_angle_is_neither_added_nor_lost(text):
     ("name", "unit"),
     [("motor_torque_nm", "N*m"), ("current_a", "A"), ("voltage_v", "V"), ("temp_c", "degC"),
      ("Engine RPM", "RPM"), ("rpm", "rpm"), ("battery volts", "volts"), ("x_s", ""), ("enc_a", ""),
-     ("speed_set", ""), ("u_in", ""), ("pos_x", ""), ("angle_a", "")],
+     ("speed_set", ""), ("u_in", ""), ("pos_x", ""), ("angle_a", ""),
+     ("vel_rev_s", "rev/s"), ("vel_turns_per_s", "turns/s"), ("speed_m_per_s", "m/s"),
+     ("rate_rad_per_s", "rad/s"), ("omega_rev_s", "rev/s"), ("speed_counts_s", "counts/s"),
+     ("flow_l_s", "l/s"), ("speed_km_h", "km/h"), ("k_Nm_A", "Nm/A"), ("tau_mN_m", "mN*m"),
+     ("torque_oz_in", "oz*in"), ("torque_N_mm", "N*mm"), ("stiffness_N_mm", "N/mm"),
+     ("acc_m_s_2_", "m/s2"), ("theta_rad_", "rad"), ("thetadot_rad_s_", "rad/s"),
+     ("torque_Nm_", "Nm"), ("angle°", "°"), ("v m/s", "m/s"), ("current_ma", "mA"),
+     ("voltage_mv", "mV"), ("dist_ft", "ft"), ("x_px", "px"), ("time_in_s", "s"),
+     ("t_min_s", "s"), ("T_min_K", "K"), ("phase_A_V", "V"), ("motor_L_rad_s", "rad/s"),
+     ("leg_l_mm", "mm"), ("lap_time_s", "s"), ("accel_g_m_s2", "m/s**2")],
 )  # fmt: skip
 def test_a_name_may_say_its_unit_where_nothing_else_can_be_meant(name, unit):
-    assert quantity.unit_in_name(name) == unit
+    assert endings.of(name).unit == unit
+
+
+@pytest.mark.parametrize(
+    ("name", "proposed"),
+    [("x_per_s", ""), ("clicks_per_s", ""), ("tick_rate_s", "s"), ("speed_s", "s"),
+     ("current_mA_s", "mA*s"), ("kv_rpm_V", ""), ("ke_mV_rpm", ""), ("x_kN_m", "kN*m"),
+     ("k_N_mm", "N*mm"), ("arm_l_s", "l/s"), ("x_cm_s", "cm/s"), ("dose_g_s", "g/s"),
+     ("dist_in", "in"), ("drift_deg_s_K", ""), ("pressure_mpa", "MPa"), ("sens_mV_g", "")],
+)  # fmt: skip
+def test_a_name_that_may_end_otherwise_has_no_unit_but_a_proposal(name, proposed):
+    end = endings.of(name)
+    assert (end.unit, end.proposed) == ("", proposed)
 
 
 @pytest.mark.parametrize("text", ["m0", "s^0", "K^-0", "m*s0"])

@@ -22,6 +22,7 @@ from simcompare.hardware.logs.text.sniff import Layout
 from simcompare.hardware.mapping import NOTHING
 from simcompare.hardware.mapping import Mapping as ColumnMap
 from simcompare.model.trajectory import Array
+from simcompare.units import endings
 
 #: a table has no more rows than somebody measured by hand
 MAX_ROWS = 200
@@ -190,7 +191,7 @@ def _named(name: str, unit: str) -> tuple[str, str]:
     if match and units.is_written(match[2].strip()):
         return match[1], match[2].strip()
     suffix = "" if unit else units.suffix_of(name)
-    if suffix and name.removesuffix(suffix):
+    if suffix and name.removesuffix(suffix) and not endings.is_several(name, suffix):
         return name.removesuffix(suffix), units.UNITS_BY_SUFFIX[suffix]
     return name, unit
 

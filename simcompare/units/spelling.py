@@ -74,6 +74,16 @@ def ways(text: str) -> tuple[str, ...]:
     return table.AMBIGUOUS.get(text, (text,))
 
 
+def any_case(text: str) -> tuple[str, ...]:
+    """Every unit that a word may be, whatever the size of its letters, each once."""
+    found: dict[Unit | None, str] = {}
+    for known in (text, *_names(), *table.AMBIGUOUS):
+        if known.lower() == text.lower():
+            for way in ways(known):
+                found.setdefault(read(way), way)
+    return tuple(way for unit, way in found.items() if unit is not None)
+
+
 @functools.lru_cache(maxsize=4096)
 def read(text: str) -> Unit | None:
     """The unit that a spelling is, ``None`` where it is none, or one of several."""

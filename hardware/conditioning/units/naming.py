@@ -11,7 +11,7 @@ import numpy as np
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware import proposed_time
-from simcompare.hardware.conditioning.units import quantity
+from simcompare.hardware.conditioning.units import endings, quantity
 from simcompare.hardware.conditioning.units.left_out import UNKNOWN, left_out, with_channels
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap, Mapping
@@ -57,7 +57,7 @@ def _settle_unit(work: Work, column: RawColumn, names: Sequence[str]) -> None:
     elif column.name == work.stream.time and time is not None and time.unit is not None:
         column.unit = time.unit
     elif not column.unit:
-        column.unit = quantity.from_suffix(column.name, names)
+        column.unit = endings.of(column.name, names).unit
         if not column.unit and quantity.counts(column.name):
             column.unit = "1"
             work.info("counts", "holds counts, by its name: plain numbers", channel=column.name)
@@ -68,10 +68,9 @@ def channels_of(work: Work, column: RawColumn) -> Sequence[tuple[ChannelMap | No
     wishes = work.mapping.of_column(work.stream.name, column.name)
     if wishes:
         return [(wish, name) for name, wish in wishes]
-    told = column.unit and column.name.lower().endswith(column.unit.lower())
-    told = told and quantity.unit_in_name(column.name) == column.unit
-    stem = re.split(r"[_ .](?=[^_ .]+$)", column.name)[0] if told else column.name
-    return [(None, slug(stem))]
+    end = endings.of(column.name)
+    told = column.unit and end.unit == column.unit
+    return [(None, slug(end.stem if told else column.name))]
 
 
 def conversion(
@@ -92,7 +91,7 @@ def conversion(
     if not unit and not np.isfinite(column.values).any():
         return Conversion(column.name, "", "", "", reason="is empty")
     if not unit:
-        return left_out(column, name, UNKNOWN, "1")
+        return left_out(column, name, UNKNOWN, endings.of(column.name).proposed or "1")
     try:
         factor, offset, si_unit = units.si_of(unit, "")
     except InputError as error:
@@ -104,7 +103,8 @@ def conversion(
         return left_out(column, name, wrong, likely)
     wrong = "" if wish or column.defined else quantity.contradiction(column.name, si_unit)
     if wrong:
-        return left_out(column, name, wrong, unit)
+        celsius = unit.strip() in ("°", "º") and "K" in quantity.possible(column.name)
+        return left_out(column, name, wrong, "degC" if celsius else unit)
     scale, sign = (wish.scale, wish.sign) if wish else (1.0, 1)
     added = wish.offset if wish else 0.0
     full, reason = _called(name, units.suffix_for(si_unit), taken)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
 
 from simcompare import units
 from simcompare.errors import InputError
@@ -32,7 +31,8 @@ _WORDS = {
     ("rad/s",): "drehzahl rpm drehrate",
     ("tesla",): "magnetometer mag magx magy magz magnetic magnetfeld field bx by bz",
     ("m/s", "rad/s"): "speed velocity geschwindigkeit vitesse vel",
-    ("m",): "coordinate coordinates distance height altitude alt abstand weg hoehe displacement",
+    ("N/m", "N*m/rad"): "stiffness steifigkeit federkonstante",
+    ("m",): "coordinate coordinates distance dist height altitude alt abstand weg hoehe displacement",
     ("s",): "minute minutes hour hours",
     ("m/s**2", "m/s", "m"): "vibration shock",
     ("Hz", "rad/s"): "frequency frequenz frequence",
@@ -53,7 +53,10 @@ _SYMBOLS = {
     "E": ("J", "V"), "B": ("tesla",), "R": ("ohm",), "L": ("H", "m"),
 }  # fmt: skip
 #: words of names that speak of a time
-_TIMES = frozenset(("time", "zeit", "dt", "t", "delay", "duration", "age", "stamp", "period"))
+_TIMES = frozenset(
+    ("time", "zeit", "dt", "t", "delay", "duration", "dauer", "age", "stamp", "timestamp", "period",
+     "latency", "interval", "elapsed", "lag", "uptime", "clock", "seconds", "step")
+)  # fmt: skip
 #: German words that end longer ones, such as Motordrehmoment
 _GERMAN = (
     "drehmoment", "drehzahl", "spannung", "strom", "temperatur", "druck", "kraft", "winkel",
@@ -67,7 +70,7 @@ _JUDGED = frozenset(
      "A*s", "kg*m/s", "m**2", "m**3", "N/m", "m**3/s", "m/s**3", "K/s", "rad/s**2")
 )  # fmt: skip
 #: words that make another quantity of one, or that mean two things
-_OTHERWISE = frozenset(
+OTHERWISE = frozenset(
     (
         "rate",
         "constant",
@@ -94,18 +97,12 @@ _ACCELERATION = re.compile(
     r"acc|imu|specific.?force|(^|[_ ])a[xyz]?($|[_ ])|^g[xyz]?force", re.IGNORECASE
 )
 _NO_ACCELERATION = re.compile(r"gyr|mag|ang|rate|accura", re.IGNORECASE)
-#: units that are words of their own: in names they are nothing else
-_TELLING = frozenset(
-    ("rpm", "volts", "amps", "watts", "newtons", "psi", "celsius", "fahrenheit", "degc", "hpa",
-     "kpa", "mbar", "knots", "mph", "dps")
-)  # fmt: skip
 #: words of what sets a controller
-_GAINS = frozenset(("kp", "ki", "kd", "gain", "limit"))
+GAINS = frozenset(("kp", "ki", "kd", "gain", "limit"))
 #: names that end with one of them are of what was counted
 _COUNTS = frozenset(("counts", "cnts", "ticks"))
 #: what a mass stands for in the name of a force
 _WEIGHT = {"g": "gf", "kg": "kgf", "kgs": "kgf", "Kg": "kgf", "KG": "kgf"}
-_CAPITALS = {suffix.upper() for suffix in units.UNITS_BY_SUFFIX}
 _PER_SECOND = re.compile(r"1 ?/ ?s(?:ec)?|s\^?-1|s⁻¹")
 _PER_MINUTE = re.compile(r"1 ?/ ?min|min\^?-1|min⁻¹")
 
@@ -142,35 +139,9 @@ def _units_of(word: str) -> tuple[str, ...]:
     return _QUANTITY.get(word) or _QUANTITY.get(ending, ())
 
 
-def unit_in_name(name: str) -> str:
-    """The unit at the end of ``voltage_v`` and ``Engine RPM``, where nothing else can be meant."""
-    stem, _, last = re.sub(r"[ .]", "_", name).rpartition("_")
-    if last.lower() in _TELLING:
-        return last
-    said = words(name)
-    if said[:1] == ["rpm"] and not {*said} & (_OTHERWISE | _GAINS):  # rpm_left
-        return "rpm"
-    possible = measured(stem)
-    spelled = [way for text in (last, last.upper()) for way in units.ways(text)]
-    return next((way for way in spelled if last and si_of(way) in possible), "")
-
-
-def from_suffix(name: str, names: Sequence[str]) -> str:
-    """The unit that a name ends with; ``omega_m`` is no length, ``phase_A`` beside ``_B`` none."""
-    if _is_index(name, names):
-        return ""
-    suffix = units.suffix_of(name)
-    if not suffix:
-        return unit_in_name(name)
-    unit, known = units.unit_of(name), _SYMBOLS.get(name.removesuffix(suffix))
-    return "" if known and unit not in known else unit
-
-
-def _is_index(name: str, names: Sequence[str]) -> bool:
-    """Whether the last letter counts, as in ``phase_A`` beside ``phase_B``."""
-    alike = [other for other in names if other[:-1] == name[:-1] and other != name]
-    beside = [other[-2:].upper() for other in alike]
-    return name[-2:-1] == "_" and any(end[1].isalpha() and end not in _CAPITALS for end in beside)
+def is_time(name: str) -> bool:
+    """Whether a name speaks of a time."""
+    return bool(_TIMES & {*words(name)})
 
 
 def meant(name: str, unit: str) -> str:
@@ -189,10 +160,10 @@ def meant(name: str, unit: str) -> str:
 
 def possible(name: str) -> frozenset[str]:
     """SI units that what is called by words or by one letter can have, none if nothing is said."""
-    return measured(name) or _of_symbol(name)
+    return measured(name) or of_letter(name)
 
 
-def _of_symbol(name: str) -> frozenset[str]:
+def of_letter(name: str) -> frozenset[str]:
     """SI units of what is called by one letter."""
     parts = [part.rstrip("0123456789") for part in name.split()] or [""]
     alike = len({part.lower() for part in parts}) == 1
@@ -202,7 +173,7 @@ def _of_symbol(name: str) -> frozenset[str]:
 def contradiction(name: str, si: str) -> str:
     """Why a quantity of that name cannot be in that SI unit, empty where it can."""
     possible = _said(name) or frozenset(_SYMBOLS["T"] if name == "T" else ())
-    if not possible or si in possible or si not in _JUDGED or _OTHERWISE & {*words(name)}:
+    if not possible or si in possible or si not in _JUDGED or OTHERWISE & {*words(name)}:
         return ""
     named = " or ".join(_spoken(one) for one in sorted(possible))
     return f"is in {_spoken(si)}, but by its name in {named}"

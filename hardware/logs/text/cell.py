@@ -14,6 +14,7 @@ from simcompare.hardware.logs.text import clocks, dates
 from simcompare.hardware.mapping import Mapping
 from simcompare.hardware.raw import told_apart
 from simcompare.model.trajectory import Array
+from simcompare.units import endings
 
 #: cells that say that nothing was measured
 MISSING = (
@@ -173,7 +174,7 @@ def heading(text: str) -> tuple[str, str]:
         if match and match[1] and (pattern is _NO_UNIT or is_unit(match[2])):
             return match[1].strip(" /") or text, ("1" if pattern is _NO_UNIT else match[2])
     match = _SUFFIXED.fullmatch(text)
-    if match:
+    if match and not endings.is_several(text, f"_{match[2]}"):
         return match[1], _SUFFIXES[match[2]]
     match = _WITHIN.fullmatch(text)
     if match and is_unit(match[2]):
