@@ -8,7 +8,7 @@ import pytest
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware.conditioning.units import endings, quantity
+from simcompare.hardware.conditioning.units import endings, naming, quantity
 
 G, DEG, RPM = 9.80665, math.pi / 180, math.pi / 30
 INCH, FOOT, LBF = 0.0254, 0.3048, 4.4482216152605
@@ -247,11 +247,33 @@ def test_a_name_may_say_its_unit_where_nothing_else_can_be_meant(name, unit):
     [("x_per_s", ""), ("clicks_per_s", ""), ("tick_rate_s", "s"), ("speed_s", "s"),
      ("current_mA_s", "mA*s"), ("kv_rpm_V", ""), ("ke_mV_rpm", ""), ("x_kN_m", "kN*m"),
      ("k_N_mm", "N*mm"), ("arm_l_s", "l/s"), ("x_cm_s", "cm/s"), ("dose_g_s", "g/s"),
+     ("flux_W_m2", ""), ("inertia_kg_cm2", ""),
      ("dist_in", "in"), ("drift_deg_s_K", ""), ("pressure_mpa", "MPa"), ("sens_mV_g", "")],
 )  # fmt: skip
 def test_a_name_that_may_end_otherwise_has_no_unit_but_a_proposal(name, proposed):
     end = endings.of(name)
     assert (end.unit, end.proposed) == ("", proposed)
+
+
+@pytest.mark.parametrize(
+    ("name", "is_one"),
+    [("dT", True), ("ΔT", True), ("temp_diff", True), ("Temperature difference", True),
+     ("Differenz", True), ("u(Temp)", True), ("σ_T", True), ("dTemp", True), ("Erwärmung", True),
+     ("T", False), ("Temperature", False), ("T_u", False), ("dew point", False), ("dut", False)],
+)  # fmt: skip
+def test_a_difference_of_temperatures_has_no_offset(name, is_one):
+    assert quantity.to_si(name, "°C") == (1.0, 0.0 if is_one else pytest.approx(273.15), "K")
+
+
+def test_what_may_be_a_difference_is_asked_for():
+    assert "write K for a difference" in quantity.may_differ("temperature change", "°C")
+    assert quantity.may_differ("temperature change", "K") == ""
+
+
+def test_greek_letters_are_spelled():
+    assert quantity.words("ω1 Δx") == ["omega", "delta", "x"]
+    assert quantity.meant("ω", "1/s") == quantity.meant("Winkelgeschw.", "1/s") == "rad/s"
+    assert naming.slug("θ_2 [°]") == "theta_2"
 
 
 @pytest.mark.parametrize("text", ["m0", "s^0", "K^-0", "m*s0"])

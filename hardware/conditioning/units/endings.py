@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from simcompare import units
 from simcompare.hardware.conditioning.units import quantity
@@ -43,8 +43,11 @@ def of(name: str, names: Sequence[str] = ()) -> Ending:
         name: of a column.
         names: of all columns beside it.
     """
-    if _is_index(name, names):
-        return Ending(name)
+    end = Ending(name) if _is_index(name, names) else _ending(name)
+    return end if quantity.si_of(end.proposed) else replace(end, proposed="")
+
+
+def _ending(name: str) -> Ending:
     match = _SIGNS.fullmatch(name)
     every = endings.words(name)
     if match or (len(every) > 1 and "/" in every[-1] and units.is_written(every[-1])):
@@ -104,6 +107,8 @@ def _several(name: str, run: Sequence[str], own: str) -> Ending:
     if run[-1] == "s" and quantity.is_time(stem):
         return Ending(name, "s")
     said = quantity.possible(stem)
+    if run[-1][-1].isdigit() and not said:  # kg_cm2 may be a pressure or an inertia
+        return Ending(name)
     fitting = [text for text in texts if not said or {*_si(text)} & said]
     if len({si for text in fitting for si in _si(text) or ("?",)}) == 1:
         if fitting[0] == units.unit_of(f"x{own}"):

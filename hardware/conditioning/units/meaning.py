@@ -67,7 +67,7 @@ def _claim(column: RawColumn, wish: ChannelMap | None, name: str) -> Claim:
     scale = wish.sign * wish.scale if wish else 1.0
     added = wish.offset if wish else 0.0
     try:
-        factor, offset, si = units.si_of(unit, "") if unit else (1.0, 0.0, "")
+        factor, offset, si = quantity.to_si(column.name, unit) if unit else (1.0, 0.0, "")
     except InputError:
         factor, offset, si = 1.0, 0.0, ""
     return Claim(

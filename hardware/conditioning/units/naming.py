@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Container, Sequence
 
 import numpy as np
@@ -93,7 +92,7 @@ def conversion(
     if not unit:
         return left_out(column, name, UNKNOWN, endings.of(column.name).proposed or "1")
     try:
-        factor, offset, si_unit = units.si_of(unit, "")
+        factor, offset, si_unit = quantity.to_si(column.name, unit)
     except InputError as error:
         wrong = "; ".join(error.faults)
         if wish:
@@ -105,6 +104,9 @@ def conversion(
     if wrong:
         celsius = unit.strip() in ("°", "º") and "K" in quantity.possible(column.name)
         return left_out(column, name, wrong, "degC" if celsius else unit)
+    wrong = "" if wish or column.defined else quantity.may_differ(column.name, unit)
+    if wrong:
+        return left_out(column, name, wrong, unit)
     scale, sign = (wish.scale, wish.sign) if wish else (1.0, 1)
     added = wish.offset if wish else 0.0
     full, reason = _called(name, units.suffix_for(si_unit), taken)
@@ -160,6 +162,5 @@ def slug(name: str) -> str:
     # letters of units keep their case in a suffix such as _N_m or _V
     suffix = units.suffix_of(name)
     stem = name.removesuffix(suffix) if suffix else name
-    plain = unicodedata.normalize("NFKD", stem).encode("ascii", "ignore").decode().lower()
-    plain = re.sub(r"[^a-z0-9]+", "_", plain).strip("_") or "column"
+    plain = re.sub(r"[^a-z0-9]+", "_", quantity.latin(stem).lower()).strip("_") or "column"
     return (plain if plain[0].isalpha() else f"c_{plain}") + suffix

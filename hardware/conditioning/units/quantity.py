@@ -32,7 +32,8 @@ _WORDS = {
     ("tesla",): "magnetometer mag magx magy magz magnetic magnetfeld field bx by bz",
     ("m/s", "rad/s"): "speed velocity geschwindigkeit vitesse vel",
     ("N/m", "N*m/rad"): "stiffness steifigkeit federkonstante",
-    ("m",): "coordinate coordinates distance dist height altitude alt abstand weg hoehe displacement",
+    ("m",): "coordinate coordinates distance dist height altitude alt abstand weg hoehe"
+    " displacement",
     ("s",): "minute minutes hour hours",
     ("m/s**2", "m/s", "m"): "vibration shock",
     ("Hz", "rad/s"): "frequency frequenz frequence",
@@ -89,7 +90,10 @@ OTHERWISE = frozenset(
 #: names of a speed of rotation, whose numbers "1/s" are turns in a second
 _TURNS = frozenset(("n", "drehzahl", "speed", "rpm", "rev", "revs", "motor", "spindle", "wheel"))
 #: and of a rate of an angle, whose numbers "1/s" are radians in a second
-_RATES = frozenset(("omega", "w", "angular", "gyro", "gyr", "gyroscope", "winkelgeschwindigkeit"))
+_RATES = frozenset(
+    ("omega", "w", "angular", "gyro", "gyr", "gyroscope", "winkelgeschwindigkeit", "winkelgeschw",
+     "kreisfrequenz", "drehrate")
+)  # fmt: skip
 #: names of what beats without turning
 _BEATS = frozenset(("heart", "hr", "puls", "pulse", "beat", "beats", "breath", "count", "rate"))
 #: columns whose name says that they measure an acceleration
@@ -101,6 +105,17 @@ _NO_ACCELERATION = re.compile(r"gyr|mag|ang|rate|accura", re.IGNORECASE)
 GAINS = frozenset(("kp", "ki", "kd", "gain", "limit"))
 #: names that end with one of them are of what was counted
 _COUNTS = frozenset(("counts", "cnts", "ticks"))
+#: words of what has the unit of a quantity and not its zero
+_DIFFERENCES = frozenset(
+    ("diff", "difference", "differenz", "delta", "sigma", "unc", "uncertainty", "unsicherheit",
+     "err", "fehler", "stdev", "stddev", "deviation", "abweichung", "residual", "spread", "ecart",
+     "erwarmung", "erwaermung", "anderung", "aenderung", "incertitude", "hysteresis", "tolerance")
+)  # fmt: skip
+_CHANGE = re.compile(r"[dD]_?T(?:emp|(?![A-Za-z]))|[uU]_?\(|u_?T(?![a-z])|u_|±")
+#: words that may say so, as in temperature change, and in phase change temperature
+_MAY_DIFFER = frozenset(("error", "std", "change", "rise", "drop", "offset", "noise", "rms", "sd"))
+#: Greek letters that Unicode calls otherwise
+_GREEK = {"LAMDA": "lambda"}
 #: what a mass stands for in the name of a force
 _WEIGHT = {"g": "gf", "kg": "kgf", "kgs": "kgf", "Kg": "kgf", "KG": "kgf"}
 _PER_SECOND = re.compile(r"1 ?/ ?s(?:ec)?|s\^?-1|s⁻¹")
@@ -112,9 +127,39 @@ def counts(name: str) -> bool:
     return bool(_COUNTS & {*words(name)[-1:]})
 
 
+def latin(name: str) -> str:
+    """A name in letters of ASCII; Greek ones are spelled: ``ω_1`` becomes ``omega_1``."""
+    spelled = "".join(_spelled_letter(sign) for sign in name)
+    return unicodedata.normalize("NFKD", spelled).encode("ascii", "ignore").decode()
+
+
+def _spelled_letter(sign: str) -> str:
+    greek = re.fullmatch(r"GREEK (?:SMALL|CAPITAL) LETTER (?:FINAL )?([A-Z]+)", _called(sign))
+    if greek is None or sign == "Ω":  # which is written for the ohm
+        return sign
+    return f" {_GREEK.get(greek[1], greek[1].lower())} "
+
+
+def _called(sign: str) -> str:
+    return "" if sign.isascii() else unicodedata.name(unicodedata.normalize("NFC", sign), "")
+
+
+def is_difference(name: str) -> bool:
+    """Whether a name speaks of a difference or an uncertainty, which has no zero of its own."""
+    said = {*words(name)}
+    return bool(said & _DIFFERENCES) or bool(_CHANGE.match(name.strip()))
+
+
+def may_differ(name: str, unit: str) -> str:
+    """Why a column in degrees may be of temperatures or of differences, empty where it is told."""
+    if not units.si_of(unit, "")[1] or is_difference(name) or not _MAY_DIFFER & {*words(name)}:
+        return ""
+    return "may be a temperature or a difference of two; write K for a difference in °C"
+
+
 def words(name: str) -> list[str]:
     """Words of a name in small letters, however they are joined."""
-    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    plain = latin(name)
     split = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])", " ", plain)
     return [word.lower() for word in re.findall(r"[A-Za-z]+", split)]
 
@@ -190,6 +235,16 @@ def _rate(name: str, unit: str) -> str:
     if _PER_MINUTE.fullmatch(unit.strip()) and said & _BEATS and not said & _TURNS:
         return "bpm"
     return unit
+
+
+def to_si(name: str, unit: str) -> tuple[float, float, str]:
+    """Factor, offset and SI unit of a column; a difference of temperatures has no offset.
+
+    Raises:
+        InputError: the unit is none.
+    """
+    factor, offset, si = units.si_of(unit, "")
+    return factor, 0.0 if offset and is_difference(name) else offset, si
 
 
 def si_of(unit: str) -> str:
