@@ -1,10 +1,11 @@
 """Turns of groups in the lab's queue, and what a file is by its content."""
 
 import asyncio
+import os
 
 import pytest
 
-from simcompare.lab import contents, queue
+from simcompare.lab import contents, desk, queue
 from simcompare.lab.desk import Ending, Task
 from simcompare.lab.groups import Groups, key_of
 from simcompare.lab.pin import Pin
@@ -160,6 +161,20 @@ def test_keys_of_groups_are_safe_and_of_one_group_alone():
 def test_names_that_are_none_are_refused(tmp_path, name):
     with pytest.raises(Refused):
         Groups(tmp_path).join(name)
+
+
+def test_a_group_keeps_its_newest_runs_and_all_else(tmp_path):
+    def done(number, kind):
+        task = Task(kind, {"folder": str(tmp_path)}, tmp_path / "results" / f"{number:016x}")
+        assert desk._do(lambda *_: {"sentence": "fine"}, task) == Ending()
+        for path in (task.place / "summary.json", task.place):
+            os.utime(path, (number, number))
+
+    done(0, "fit")
+    for number in range(1, 60):
+        done(number, "run")
+    kept = sorted(int(path.name, 16) for path in (tmp_path / "results").iterdir())
+    assert kept == [0, *range(10, 60)]
 
 
 def test_damaged_documents_are_passed_over(tmp_path):

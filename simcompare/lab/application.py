@@ -72,7 +72,9 @@ def _page(request: Request) -> Response:
 
 
 def _teacher_page(request: Request) -> Response:
-    return Response(delivery.page("teacher.html", _language(request)), media_type="text/html")
+    pin = "yes" if _lab(request).pin.is_wanted else "no"
+    body = delivery.page("teacher.html", _language(request), pin=pin)
+    return Response(body, media_type="text/html")
 
 
 def _static(request: Request) -> Response:

@@ -84,15 +84,21 @@ def _static(name: str) -> tuple[bytes, bytes, str]:
 
 
 @functools.cache
-def page(name: str, language: str) -> bytes:
-    """A page of the lab in one language."""
+def page(name: str, language: str, **values: str) -> bytes:
+    """A page of the lab in one language.
+
+    Args:
+        name: of its file.
+        language: that it speaks.
+        values: that stand in it.
+    """
     loader = jinja2.FileSystemLoader(_HERE / "pages")
     undefined = jinja2.StrictUndefined
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=undefined)
     words = refusals.sentences(language)
     return (
         environment.get_template(name)
-        .render(language=language, texts=_texts(language), words=words)
+        .render(language=language, texts=_texts(language), words=words, **values)
         .encode()
     )
 

@@ -7,6 +7,7 @@ import contextlib
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import traceback
 from collections.abc import Callable, Mapping
@@ -25,6 +26,8 @@ from simcompare.running import guard
 #: what a summary holds of a result and of its request
 _SUMMED, _ASKED = ("sentence", "files", "exit"), ("scenario", "recording", "engines", "engine")
 
+#: runs that each group keeps, besides everything else that it has made
+_KEPT = 50
 #: runs that are remembered; memory of a worker and of each of its engines
 _RUNS, _MEMORY_BYTES = 20, 4 * 2**30
 _runs: dict[str, dict[str, Any]] = {}
@@ -205,6 +208,19 @@ def _store(task: Task, result: Mapping[str, Any]) -> None:
         told = {**head, **ended, "request": asked, "result": result}
         (made / "result.json").write_bytes(_written(told))
         (made / "summary.json").write_bytes(_written({**head, **summed}))
+    if task.kind == "run":
+        _let_go(task.place.parent)
+
+
+def _let_go(results: Path) -> None:
+    """Deletes a group's oldest runs: every move of a slider makes one."""
+    runs = []
+    for told in results.glob("*/summary.json"):
+        with contextlib.suppress(OSError, ValueError):
+            summary = json.loads(told.read_bytes())
+            runs += [(told.stat().st_mtime_ns, told.parent)] if summary["kind"] == "run" else []
+    for _, oldest in sorted(runs)[:-_KEPT]:
+        shutil.rmtree(oldest, ignore_errors=True)
 
 
 def _told(error: SimcompareError, request: Mapping[str, Any]) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from simcompare.lab.refusals import Refused
 from simcompare.model import whole
 
 #: letters of a group's name; groups; bytes of one of them; bytes that stay free on the disk
-_LONGEST, _MOST, _GROUP_BYTES, _FREE_BYTES = 60, 300, 2 * 10**9, 500 * 10**6
+_LONGEST, _MOST, _GROUP_BYTES, _FREE_BYTES = 60, 1000, 2 * 10**9, 500 * 10**6
 _KEY = re.compile(r"[a-z0-9]+(?:-[a-z0-9]+)*-[0-9a-f]{10}")
 #: names of jobs, results and recordings; names of files to take home
 _ID, _FILE = re.compile(r"[0-9a-f]{16}"), re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,120}")

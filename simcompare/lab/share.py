@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import io
 import ipaddress
 import socket
 import ssl
@@ -121,8 +122,10 @@ def url(host: str, port: int, *, secure: bool) -> str:
 
 def code(address: str) -> str:
     """An address as a picture to scan, as SVG."""
-    made = segno.make(address, error="m")
-    return str(made.svg_inline(scale=6, border=4, light="white", svgclass=None, lineclass=None))
+    made, drawn = segno.make(address, error="m"), io.BytesIO()
+    plain = {"xmldecl": False, "nl": False, "svgclass": None, "lineclass": None}
+    made.save(drawn, kind="svg", scale=6, border=4, light="white", **plain)
+    return drawn.getvalue().decode()
 
 
 def code_as_text(address: str) -> str:

@@ -36,7 +36,7 @@ function rowOf(group, result) {
 
 function sectionOf(group) {
   const section = document.createElement("section");
-  const counts = `${group.results.length} ${words.teacher_results}, ${group.recordings.length} ${words.teacher_recordings}`;
+  const counts = `${words.teacher_results}: ${group.results.length}, ${words.teacher_recordings}: ${group.recordings.length}`;
   section.append(made("h3", group.name), made("p", counts));
   const table = document.createElement("table");
   for (const result of group.results) table.append(rowOf(group, result));
@@ -61,7 +61,6 @@ async function show() {
 
 async function showCode() {
   const told = await ask("/api/share");
-  if (!told.url) return;
   const picture = made("img", "", { alt: told.url, width: 280 });
   picture.src = `data:image/svg+xml;utf8,${encodeURIComponent(told.qr_svg)}`;
   byId("code").replaceChildren(picture, made("p", told.url), made("p", told.sentence));
@@ -76,15 +75,19 @@ async function tried(what) {
   }
 }
 
+async function enter() {
+  await show();
+  await showCode().catch(() => {}); // a lab that is not shared has none
+  setInterval(() => tried(show), 5000);
+}
+
 byId("enter").addEventListener("submit", (event) => {
   event.preventDefault();
   pin = byId("pin").value;
-  tried(async () => {
-    await show();
-    await showCode();
-    setInterval(() => tried(show), 5000);
-  });
+  tried(enter);
 });
+
+if (document.body.dataset.pin === "no") tried(enter);
 
 byId("switch").addEventListener("click", () => tried(async () => {
   const body = JSON.stringify({ open: !isOpen });
