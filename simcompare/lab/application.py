@@ -9,13 +9,13 @@ from collections.abc import AsyncIterator, Collection
 from typing import Any
 
 from starlette.applications import Starlette
-from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
 from simcompare.lab import contents, delivery, refusals, uploads
+from simcompare.lab.answers import FAULTS, language, said
 from simcompare.lab.groups import Group
 from simcompare.lab.guard import Guard
 from simcompare.lab.laboratory import Lab, faults
@@ -44,7 +44,7 @@ def build(lab: Lab, hosts: Collection[str]) -> ASGIApp:
         finally:
             await lab.queue.end()
 
-    app = Starlette(routes=_ROUTES, lifespan=life, exception_handlers=_FAULTS)
+    app = Starlette(routes=_ROUTES, lifespan=life, exception_handlers=FAULTS)
     app.state.lab = lab
     return Guard(app, hosts)
 
@@ -54,26 +54,17 @@ def _lab(request: Request) -> Lab:
     return found
 
 
-def _language(request: Request) -> str:
-    accepted = request.headers.get("accept-language", "")
-    return refusals.language_of(request.query_params.get("lang"), accepted)
-
-
-def _said(request: Request, value: object, status: int = 200) -> Response:
-    return delivery.json_of(request, delivery.spoken(value), status)
-
-
 # ---- pages
 
 
 def _page(request: Request) -> Response:
-    body = delivery.page("index.html", _language(request))
+    body = delivery.page("index.html", language(request))
     return Response(body, media_type="text/html")
 
 
 def _teacher_page(request: Request) -> Response:
     pin = "yes" if _lab(request).pin.is_wanted else "no"
-    body = delivery.page("teacher.html", _language(request), pin=pin)
+    body = delivery.page("teacher.html", language(request), pin=pin)
     return Response(body, media_type="text/html")
 
 
@@ -91,7 +82,7 @@ def _file(request: Request) -> Response:
 
 
 async def _scenarios(request: Request) -> Response:
-    answer = await _lab(request).known("scenarios", language=_language(request))
+    answer = await _lab(request).known("scenarios", language=language(request))
     return delivery.json_of(request, answer)
 
 
@@ -99,7 +90,7 @@ async def _scenario(request: Request) -> Response:
     name = request.path_params["name"]
     if name not in catalogue.names():
         raise Refused(404, "bad_name", name=name)
-    answer = await _lab(request).known("scenario", name=name, language=_language(request))
+    answer = await _lab(request).known("scenario", name=name, language=language(request))
     return delivery.json_of(request, answer)
 
 
@@ -111,7 +102,7 @@ async def _add_job(request: Request) -> Response:
     wish = request.query_params.get("lang") or asked.get("language")
     spoken = refusals.language_of(wish, request.headers.get("accept-language", ""))
     job = lab.job(asked, spoken)
-    return _said(request, {"id": job.id, "place": lab.queue.place(job)}, 202)
+    return said(request, {"id": job.id, "place": lab.queue.place(job)}, 202)
 
 
 async def _job(request: Request) -> Response:
@@ -121,7 +112,7 @@ async def _job(request: Request) -> Response:
         await _wait(job, request.query_params.get("wait", "0"))
     if job is None or job.state == DONE:
         return await asyncio.to_thread(_stored, request, job_id)
-    return _said(request, _state(lab, job, _language(request)))
+    return said(request, _state(lab, job, language(request)))
 
 
 async def _wait(job: Job, text: str) -> None:
@@ -131,9 +122,9 @@ async def _wait(job: Job, text: str) -> None:
         await asyncio.wait_for(job.ended.wait(), min(seconds, _LONGEST_WAIT_S))
 
 
-def _state(lab: Lab, job: Job, language: str) -> dict[str, Any]:
+def _state(lab: Lab, job: Job, spoken: str) -> dict[str, Any]:
     told = {"state": job.state, "place": lab.queue.place(job), "progress": job.progress}
-    return told | ({"faults": faults(job.ending, language)} if job.state == FAILED else {})
+    return told | ({"faults": faults(job.ending, spoken)} if job.state == FAILED else {})
 
 
 def _stored(request: Request, job_id: str) -> Response:
@@ -150,7 +141,7 @@ async def _withdraw(request: Request) -> Response:
     if job is None:
         raise Refused(404, "no_job")
     lab.queue.withdraw(job)
-    return _said(request, _state(lab, job, _language(request)))
+    return said(request, _state(lab, job, language(request)))
 
 
 # ---- recordings
@@ -184,7 +175,7 @@ async def _scale(request: Request) -> Response:
 
 
 async def _ask_about(request: Request, group: Group, kind: str, question: dict[str, Any]) -> bytes:
-    rest = {"folder": str(group.folder), "language": _language(request)}
+    rest = {"folder": str(group.folder), "language": language(request)}
     return await _lab(request).ask(group.key, kind, question | rest)
 
 
@@ -212,7 +203,7 @@ def _recording(request: Request) -> Response:
 
 def _group(request: Request) -> Response:
     group = _lab(request).groups.find(request.path_params["group"])
-    return _said(request, group.listing())
+    return said(request, group.listing())
 
 
 def _result(request: Request) -> Response:
@@ -222,11 +213,11 @@ def _result(request: Request) -> Response:
 
 
 def _share(request: Request) -> Response:
-    lab, language = _lab(request), _language(request)
+    lab = _lab(request)
     if not lab.address:
         raise Refused(404, "not_shared")
-    warning = say(language, "share_warning")
-    return _said(request, {"url": lab.address, "qr_svg": lab.code, "sentence": warning})
+    warning = say(language(request), "share_warning")
+    return said(request, {"url": lab.address, "qr_svg": lab.code, "sentence": warning})
 
 
 # ---- the teacher
@@ -241,47 +232,19 @@ def _check_pin(request: Request) -> Lab:
 
 def _teacher(request: Request) -> Response:
     lab = _check_pin(request)
-    return _said(request, {**_open(lab), "groups": [one.listing() for one in lab.groups.all()]})
+    return said(request, {**_open(lab), "groups": [one.listing() for one in lab.groups.all()]})
 
 
 async def _teacher_queue(request: Request) -> Response:
     lab = _check_pin(request)
     lab.queue.is_open = bool((await uploads.document(request)).get("open", True))
-    return _said(request, _open(lab))
+    return said(request, _open(lab))
 
 
 def _open(lab: Lab) -> dict[str, object]:
     return {"open": lab.queue.is_open, "waiting": lab.queue.waiting}
 
 
-# ---- faults
-
-
-async def _refused(request: Request, error: Exception) -> Response:
-    assert isinstance(error, Refused)
-    return _faulty(request, [say(_language(request), error.key, **error.values)], error.status)
-
-
-async def _told(request: Request, error: Exception) -> Response:
-    assert isinstance(error, Faulty)
-    return _faulty(request, error.faults, error.status)
-
-
-async def _of_http(request: Request, error: Exception) -> Response:
-    assert isinstance(error, HTTPException)
-    key = {404: "no_page", 405: "no_method"}.get(error.status_code, "bad_json")
-    return _faulty(request, [say(_language(request), key)], error.status_code)
-
-
-async def _wrong(request: Request, _: Exception) -> Response:
-    return _faulty(request, [say(_language(request), "wrong")], 500)
-
-
-def _faulty(request: Request, sentences: list[str], status: int) -> Response:
-    return _said(request, {"faults": sentences}, status)
-
-
-_FAULTS: Any = {Refused: _refused, Faulty: _told, HTTPException: _of_http, Exception: _wrong}
 _ROUTES = [
     Route("/", _page),
     Route("/teacher", _teacher_page),
