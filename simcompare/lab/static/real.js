@@ -83,7 +83,7 @@ export class Real {
     else this.scale.hide();
     byId("heard").hidden = !impacts.length;
     byId("fitted").hidden = true;
-    this.state([...notes, words("real.heard", { count: impacts.length }), ...(recording.notes ?? [])].join(" "));
+    this.state([...notes, ...(frame ? [] : [words("real.heard", { count: impacts.length })]), ...(recording.notes ?? [])].join(" "));
     if (!impacts.length) return;
     this.drop.recording = recording.id;
     await this.waveform.show(recording);

@@ -9,8 +9,10 @@ export class Waveform {
   constructor(plot, list, changed) {
     Object.assign(this, { plot, list, changed });
   }
-  show({ wave, impacts, drop }) {
-    Object.assign(this, { wave, impacts, struck: new Set(drop?.left_out) });
+  show({ wave, curve, impacts, drop }) {
+    // of a film the height is shown instead of the sound
+    const seen = curve && { t: curve.t, low: curve.t.map(() => 0), high: curve.y };
+    Object.assign(this, { wave: wave ?? seen, impacts, struck: new Set(drop?.left_out) });
     const boxes = impacts.map((one, i) => {
       const label = tick("checkbox", "impact", i, words("real.impact", { number: i + 1, time: one.time_s.toFixed(3) }), { checked: !this.struck.has(i) });
       label.firstChild.addEventListener("change", () => this.strike(i));
