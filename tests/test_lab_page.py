@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from tests import lab_browser
+from tests import lab_browser, lab_films
 from tests.lab_browser import Page
 
 Browser = Callable[..., AbstractContextManager[Page]]
@@ -359,6 +359,24 @@ def test_a_file_is_heard_struck_and_fitted(page: Page, address: str, sound: Path
     for link in links:
         with urllib.request.urlopen(link, timeout=60) as answer:
             assert answer.read()
+
+
+def test_a_film_is_scaled_by_keys_and_tracked(page: Page, address: str, tmp_path: Path) -> None:
+    pytest.importorskip("cv2", reason="films need OpenCV: pip install 'simcompare[web]'")
+    _begin(page, address)
+    page.send_file("#file", lab_films.film(tmp_path / "ball.avi"))
+    page.until("() => document.querySelector('#frame').naturalWidth")
+    page.focus("[data-point='1']")
+    page.press("ArrowDown")
+    page.press("ArrowUp")
+    # the points begin half a picture apart
+    page.put("#metres", lab_films.HEIGHT / 2 / lab_films.METRE_PX)
+    page.click("#scale-form button")
+    page.until("() => document.querySelectorAll('#impacts input').length > 2")
+    said = re.search(r"0\.\d+", page.text("#restitution"))
+    assert said is not None
+    # two pictures of a second with 60 are 1 % of the time of three flights
+    assert float(said[0]) == pytest.approx(0.8, rel=0.02)
 
 
 def test_what_is_no_recording_is_refused_in_words(page: Page, address: str, tmp_path: Path) -> None:

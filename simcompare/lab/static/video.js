@@ -8,7 +8,7 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], Arrow
 export class Scale {
   constructor(taken) {
     this.image = byId("frame");
-    this.buttons = [...document.querySelectorAll(".point")];
+    this.buttons = [...document.querySelectorAll(".mark")];
     this.image.addEventListener("click", (event) => this.click(event));
     this.buttons.forEach((one, i) => {
       one.addEventListener("keydown", (event) => this.key(event, i));
