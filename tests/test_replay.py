@@ -30,6 +30,7 @@ from simcompare.reports.render import film, matplotlib_replay, replay_page
 from simcompare.reports.render.meshes import Mesh, mesh_of, sheet
 from simcompare.reports.render.staging import Source, staged
 from simcompare.reports.run.replay import replay_of
+from simcompare.results.run import Stored
 from simcompare.scenarios import catalogue
 from simcompare.verbs.result import Result
 
@@ -355,3 +356,19 @@ def test_the_page_of_a_scenario_begins_with_its_picture(name: str) -> None:
     page = catalogue.load(name).path.with_name("README.md")
     assert f"({name}.png)" in page.read_text(encoding="utf-8").split("```")[0]
     assert page.with_name(f"{name}.png").stat().st_size < 60_000
+
+
+def test_a_fit_plays_what_was_measured_beside_the_engines(run: Result) -> None:
+    """The first segment of a recording; what is measured has no parameters of its own."""
+    moved = next(one for one in run.trajectories if one.source == "pymunk")
+    measured = Stored("measured", "", 0, moved.trajectory)
+    engine = replace(moved, parameters="best")
+    later = replace(engine, segment=1)
+    record = replace(run.record, kind="validation")
+    replay = replay_of(replace(run, record=record, trajectories=(measured, later, engine)))
+    assert replay is not None
+    assert [(one.label, one.level) for one in replay.actors] == [
+        ("measured", ""), ("pymunk", "with the fitted parameters"),
+    ]  # fmt: skip
+    # a recording alone is no comparison
+    assert replay_of(replace(run, record=record, trajectories=(measured,))) is None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from simcompare.reports.render.parts import Section
-from simcompare.reports.sections import fit_bounces, fit_tosses, fit_waveforms
+from simcompare.reports.sections import fit_bounces, fit_tosses, fit_waveforms, pictures
 from simcompare.reports.sections.tuning import tuning
 from simcompare.results.records.fit import FitRecord
 from simcompare.results.records.fit_tosses import TossFit
@@ -13,6 +13,7 @@ from simcompare.results.records.run import Record
 #: of parameters fitted to measured bounces
 BOUNCES: tuple[Section, ...] = (
     fit_bounces.answer,
+    pictures.moving,
     fit_bounces.residuals,
     fit_bounces.holdout,
     fit_bounces.engines,
@@ -26,6 +27,7 @@ BOUNCES: tuple[Section, ...] = (
 #: of parameters fitted to signals over time
 WAVES: tuple[Section, ...] = (
     fit_waveforms.answer,
+    pictures.moving,
     fit_waveforms.residuals,
     fit_waveforms.engines,
     fit_waveforms.holdout,

@@ -8,6 +8,7 @@ from dataclasses import replace
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part, Section, part_of
 from simcompare.reports.run.not_run import not_run
+from simcompare.reports.sections import pictures
 from simcompare.reports.validation import (
     events,
     gap_figures,
@@ -125,6 +126,7 @@ def recording(run: Run) -> Part:
 #: in the order in which a reader wants them
 SECTIONS: tuple[Section, ...] = (
     answer,
+    pictures.moving,
     residuals,
     timings,
     values,
