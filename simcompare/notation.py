@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 
 #: digits of the largest value where no tolerance says how many matter
@@ -130,9 +131,13 @@ def meant(number: float, unit: str, low: float, high: float) -> str | None:
     return None
 
 
+#: what is a quantity and no word: u is not U
+_SYMBOL = re.compile(r"[a-z](?= ?[:=_])")
+
+
 def capital(text: str) -> str:
-    """Text whose first letter is a capital; all others stay."""
-    return text[:1].upper() + text[1:]
+    """Text whose first letter is a capital; all others stay, as does a symbol of one letter."""
+    return text if _SYMBOL.match(text) else text[:1].upper() + text[1:]
 
 
 def sentence(text: str) -> str:

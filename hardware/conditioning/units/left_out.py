@@ -9,7 +9,7 @@ import yaml
 
 from simcompare import units
 from simcompare.hardware.mapping import PRISMATIC, REVOLUTE
-from simcompare.hardware.mapping_lines import quoted
+from simcompare.hardware.mapping_lines import quoted, unit_text
 from simcompare.hardware.raw import IMPORT, RawColumn
 from simcompare.model.recording import Conversion
 
@@ -40,7 +40,7 @@ def left_out(column: RawColumn, name: str, reason: str, unit: str) -> Conversion
         line = f"joints: {{{quoted(column.joint)}: {REVOLUTE}}}"
         return Conversion(column.name, "", "", "", reason=_JOINT, cure=line)
     stem = (name.removesuffix(units.suffix_of(name)) or name).lower()
-    column_, unit_ = (quoted(text) for text in (column.name, unit))
+    column_, unit_ = quoted(column.name), unit_text(unit)
     cure = f"channels: {{{stem}: {{column: {column_}, unit: {unit_}}}}}"
     return Conversion(column.name, column.unit, "", "", reason=reason, cure=cure)
 

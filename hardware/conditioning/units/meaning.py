@@ -14,7 +14,7 @@ from simcompare.errors import InputError
 from simcompare.hardware.conditioning.units import naming, quantity
 from simcompare.hardware.conditioning.work import Work
 from simcompare.hardware.mapping import ChannelMap
-from simcompare.hardware.mapping_lines import quoted
+from simcompare.hardware.mapping_lines import quoted, unit_text
 from simcompare.hardware.raw import RawColumn
 from simcompare.model.trajectory import Array
 
@@ -134,7 +134,7 @@ def mapping_line(claim: Claim, unit: str, divisor: float = 1.0, sign: int = 1) -
     more = f", scale: {scale:.6g}" if scale != 1.0 else ""
     more += f", sign: {turned}" if turned != 1 else ""
     name = claim.name.removesuffix(units.suffix_of(claim.name))
-    return f"{name}: {{column: {quoted(claim.column.name)}, unit: {quoted(unit)}{more}}}"
+    return f"{name}: {{column: {quoted(claim.column.name)}, unit: {unit_text(unit)}{more}}}"
 
 
 #: words for the rate along an axis that name the axis

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from simcompare import units
 from simcompare.errors import InputError
-from simcompare.hardware.mapping_lines import channels_line, quoted
+from simcompare.hardware.mapping_lines import channels_line, quoted, unit_text
 from simcompare.hardware.recordings.results_table import Heading
 from simcompare.validation.tabled.meaning import (
     COUNT,
@@ -263,7 +263,7 @@ def _without_unit(found: Sequence[Meaning]) -> Iterator[str]:
 
 def _line(heading: Heading, entry: Entry) -> str:
     name = spoken(entry).replace(" ", "_")
-    return f"{name}: {{column: {quoted(heading.name)}, unit: {quoted(_usual(entry))}}}"
+    return f"{name}: {{column: {quoted(heading.name)}, unit: {unit_text(_usual(entry))}}}"
 
 
 def _usual(entry: Entry) -> str:
