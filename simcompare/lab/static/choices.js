@@ -1,5 +1,6 @@
 // what can be chosen in a scenario: parameters, engines, levels, engines' own values
 import { byId, make, tick, ticked } from "/static/parts.js";
+import { BY_HAND } from "/static/pictures.js";
 import { Slider } from "/static/slider.js";
 import { words } from "/static/words.js";
 
@@ -38,7 +39,7 @@ export class Choices {
     const use = tick("checkbox", "hand", name, words("hand.use", { engine: name }));
     const sliders = contact.map((one) => new Slider(one, () => {
       use.firstChild.checked = true;
-      this.changed();
+      this.changed(BY_HAND);
     }));
     use.firstChild.addEventListener("change", () => this.changed());
     this.hands.set(name, { use: use.firstChild, sliders });

@@ -2,12 +2,12 @@
 import { Choices } from "/static/choices.js";
 import { Latest, settled } from "/static/latest.js";
 import { byId, links, make, say, table, tick } from "/static/parts.js";
-import { curves } from "/static/pictures.js";
+import { BY_HAND, curves } from "/static/pictures.js";
 import { get, job, Refused } from "/static/server.js";
 import { words } from "/static/words.js";
 
-// a slider that moves is waited for
-const SETTLED_MS = 60;
+// a slider that moves is waited for; while it moves only the level that is looked at is run
+const SETTLED_MS = 60, RESTED_MS = 600;
 const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class Drop {
@@ -15,10 +15,12 @@ export class Drop {
     Object.assign(this, { group, recording: null, level: "", isSame: false });
     this.replay = new Replay(byId("replay"));
     this.latest = new Latest((wish) => this.run(wish));
-    const changed = settled(() => this.ask(false), SETTLED_MS);
-    this.choices = new Choices(() => {
+    const sketch = settled(() => this.ask(false, true), SETTLED_MS), whole = settled(() => this.ask(false), RESTED_MS);
+    this.choices = new Choices((level = this.level) => {
       performance.mark("changed");
-      changed();
+      this.level = level;
+      sketch();
+      whole();
     });
     byId("controls").addEventListener("submit", (event) => {
       event.preventDefault();
@@ -60,12 +62,14 @@ export class Drop {
     if (byId("preset").value) now.searchParams.set("preset", byId("preset").value);
     history.replaceState(null, "", now);
   }
-  ask(isPlayed) {
+  ask(isPlayed, isSketch = false) {
     if (!performance.getEntriesByName("changed").length) performance.mark("changed");
-    const wish = this.choices.wish;
+    const wish = this.choices.wish, isHand = this.level === BY_HAND && Object.keys(wish.contact).length > 0;
+    const isPart = isSketch && (isHand || wish.levels.includes(this.level));
+    if (isPart) Object.assign(wish, isHand ? { levels: [] } : { levels: [this.level], contact: {} });
     if (!wish.engines.length) say(byId("drop-faults"), [words("drop.no_engine")]);
     else if (!wish.levels.length && !Object.keys(wish.contact).length) say(byId("drop-faults"), [words("drop.no_level")]);
-    else this.latest.ask({ job: { kind: "run", group: this.group(), ...wish, ...(this.recording ? { recording: this.recording } : {}) }, isPlayed });
+    else this.latest.ask({ job: { kind: "run", group: this.group(), ...wish, ...(this.recording ? { recording: this.recording } : {}) }, isPlayed, isPart });
   }
   async run(wish) {
     document.body.setAttribute("aria-busy", "true");
@@ -82,16 +86,20 @@ export class Drop {
   wait({ state, place }) {
     if (state === "waiting" && place) byId("answer").textContent = words("drop.waiting", { place });
   }
-  async show(result, { isPlayed, job: asked }) {
+  async show(result, { isPlayed, isPart, job: asked }) {
     this.result = result;
+    if (isPart) return this.draw(result);
     byId("answer").textContent = result.sentence;
     this.tabs([...new Set(result.curves.map((one) => one.level).filter(Boolean))]);
-    this.scene(result.replay);
-    await this.look(this.level);
-    performance.measure("from change to picture", "changed");
+    await this.draw(result);
     byId("scores").replaceChildren(...this.tables(result));
     this.offer(asked);
     if (isPlayed && result.replay && !this.replay.playing) this.replay.toggle();
+  }
+  async draw(result) {
+    this.scene(result.replay);
+    await this.look(this.level);
+    performance.measure("from change to picture", "changed");
   }
   scene(replay) {
     byId("replay").hidden = !replay;
@@ -105,7 +113,8 @@ export class Drop {
     const box = byId("shown-level");
     box.hidden = levels.length < 2;
     const last = [...box.querySelectorAll("input")].map((one) => one.value);
-    if (last.join() !== levels.join()) box.replaceChildren(box.querySelector("legend"), ...levels.map((one) => tick("radio", "shown-level", one, one, { checked: one === this.level })));
+    if (last.join() !== levels.join()) box.replaceChildren(box.querySelector("legend"), ...levels.map((one) => tick("radio", "shown-level", one, one, {})));
+    box.querySelectorAll("input").forEach((one) => { one.checked = one.value === this.level; });
   }
   /** Shows one level, over time and in space. */
   look(level) {

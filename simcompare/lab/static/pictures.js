@@ -2,7 +2,9 @@
 import { words } from "/static/words.js";
 
 const INK = "#1b1b1b", GRID = "#e3e3e3", FONT_PX = 14;
-const MEASURED = "#000000", DEFAULT = "default", BY_HAND = "by hand";
+const MEASURED = "#000000", DEFAULT = "default";
+/** The level of values that were set by hand. */
+export const BY_HAND = "by hand";
 const SIGNS = ["circle", "square", "diamond", "triangle-up", "cross", "x", "star", "triangle-down"];
 const OPTIONS = { displaylogo: false, displayModeBar: false, responsive: true };
 
