@@ -372,3 +372,12 @@ def test_a_fit_plays_what_was_measured_beside_the_engines(run: Result) -> None:
     ]  # fmt: skip
     # a recording alone is no comparison
     assert replay_of(replace(run, record=record, trajectories=(measured,))) is None
+
+
+def test_many_sources_that_turn_fast_stay_small() -> None:
+    """Seven engines at four levels and two steps, and more."""
+    moved = _turning(300, 2.0)
+    sources = [Source(f"engine {k}", "#112233", f"level {k % 4}", moved) for k in range(60)]
+    replay = staged(DISC, sources, "")
+    assert replay is not None
+    assert len(replay_page.embedded(replay)) < 1e6
