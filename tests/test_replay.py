@@ -381,3 +381,12 @@ def test_many_sources_that_turn_fast_stay_small() -> None:
     replay = staged(DISC, sources, "")
     assert replay is not None
     assert len(replay_page.embedded(replay)) < 1e6
+
+
+def test_a_picture_runs_no_code_that_nobody_said_yes_to(tmp_path: Path) -> None:
+    folder = tmp_path / "ball"
+    shutil.copytree(catalogue.load("ball").path.parent, folder)
+    ran = tmp_path / "ran"
+    (folder / "reference.py").write_text(f"open({str(ran)!r}, 'w').close()\n")
+    assert simcompare.show(folder).plot().axes
+    assert not ran.exists()

@@ -13,6 +13,7 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
 from simcompare.reports.render.replays import Replay
 from simcompare.reports.render.staging import Source, staged
+from simcompare.scenarios import trust
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: of no engine and of no truth
@@ -20,7 +21,7 @@ _COLOUR = "#4477AA"
 
 
 def scene_of(file: ScenarioFile) -> Replay | None:
-    """The scene as the truth moves it, where that tells of all bodies; else as it starts.
+    """The scene as the truth moves it, where one of ours tells of all bodies; else as it starts.
 
     ``None`` where nothing of it can be seen.
     """
@@ -33,9 +34,11 @@ def scene_of(file: ScenarioFile) -> Replay | None:
 def _true(
     file: ScenarioFile, scenario: Scenario, scene: Mapping[str, DrawnBody]
 ) -> Trajectory | None:
+    if not trust.is_ours(file.path):  # to look at a scenario runs no code that came with it
+        return None
     try:
         (found,) = truths_of(file.path, [scenario])
-    except InputError:  # code that nobody has said yes to, or parameters that it refuses
+    except InputError:  # it refuses the parameters
         return None
     moving = [name for name, body in scene.items() if not body.fixed]
     told = found is not None and all(f"{name}.{POSITION}" in found.signals for name in moving)
