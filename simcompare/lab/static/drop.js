@@ -1,7 +1,7 @@
 // the first screen: choose, drop, see
 import { Choices } from "/static/choices.js";
 import { Latest, settled } from "/static/latest.js";
-import { byId, links, make, say, table, tick } from "/static/parts.js";
+import { byId, links, say, table, tick } from "/static/parts.js";
 import { BY_HAND, curves } from "/static/pictures.js";
 import { get, job, Refused } from "/static/server.js";
 import { words } from "/static/words.js";
@@ -27,6 +27,7 @@ export class Drop {
       performance.mark("changed");
       this.ask(!isStill());
     });
+    byId("take-go").addEventListener("click", () => this.takeHome());
     byId("scenario").addEventListener("change", () => this.open(byId("scenario").value));
     byId("preset").addEventListener("change", () => this.address());
     byId("shown-level").addEventListener("change", (event) => this.look(event.target.value));
@@ -132,22 +133,22 @@ export class Drop {
     if (values?.rows?.length) found.push(table(values));
     return found;
   }
-  // what can be taken home: script and values of each engine
+  // what can be taken home: the script of an engine
   offer(asked) {
-    const box = byId("take"), list = make("ul", { className: "files" });
-    const choice = make("select", { id: "take-engine" }, ...asked.engines.map((one) => new Option(one)));
-    const button = make("button", { type: "button", textContent: words("drop.script") });
-    button.addEventListener("click", async () => {
-      try {
-        const { files } = await job({ ...asked, kind: "script", engine: choice.value, ...(asked.result ? { result: asked.result } : {}) });
-        list.append(...links(this.group(), files));
-        document.dispatchEvent(new Event("stored"));
-      } catch (error) {
-        this.refuse(error);
-      }
-    });
-    const label = make("label", {}, words("drop.script_of"), " ", choice);
-    box.replaceChildren(label, button, list);
+    this.asked = asked;
+    const choice = byId("take-engine"), last = choice.value, names = [...choice.options].map((one) => one.value);
+    byId("take").hidden = false;
+    if (names.join() === asked.engines.join()) return;
+    choice.replaceChildren(...asked.engines.map((one) => new Option(one, one, false, one === last)));
+  }
+  async takeHome() {
+    try {
+      const { files } = await job({ ...this.asked, kind: "script", engine: byId("take-engine").value });
+      byId("taken").append(...links(this.group(), files));
+      document.dispatchEvent(new Event("stored"));
+    } catch (error) {
+      this.refuse(error);
+    }
   }
   refuse(error) {
     if (!(error instanceof Refused)) console.error(error);
