@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from simcompare.model.scenario import Scenario
 from simcompare.model.shapes import Quaternion, Shape, Vector
-from simcompare.model.trajectory import Array
 
 POSITION, ORIENTATION = "position_m", "orientation_wxyz"
 
@@ -32,12 +30,7 @@ class DrawnBody:
 def drawn(scenario: Scenario) -> dict[str, DrawnBody]:
     """Every body that can be seen, in the order of the file."""
     return {
-        name: DrawnBody(body.fixed, body.position_m, body.orientation_wxyz, body.seen)
+        name: DrawnBody(body.fixed, body.position_m, body.orientation_wxyz, shapes)
         for name, body in scenario.bodies.items()
-        if body.seen
+        if (shapes := body.visual or body.shapes)
     }
-
-
-def has_motion(scene: Mapping[str, DrawnBody], signals: Mapping[str, Array]) -> bool:
-    """Whether some of these signals say where a body of the scene is."""
-    return any(f"{name}.{POSITION}" in signals for name in scene)

@@ -57,11 +57,6 @@ class Body(Pose):
     )
     drag: Drag | None = None
 
-    @property
-    def seen(self) -> tuple[Shape, ...]:
-        """The shapes that are drawn of it."""
-        return self.visual or self.shapes
-
     @model_validator(mode="after")
     def _moving_bodies_have_mass(self) -> Body:
         if not self.fixed and (self.mass_kg is None or self.inertia_kg_m2 is None):
