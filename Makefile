@@ -9,7 +9,7 @@ engines := $(subst $(comma), ,$(ENGINES))
 # one stamp for every choice of engines
 INSTALLED := $(VENV)/.installed-$(subst $(comma),-,$(ENGINES))
 
-.PHONY: run test lab bench lint clean
+.PHONY: run test lab browser bench lint clean
 
 # sets up and runs the main job
 run: $(INSTALLED)
@@ -25,6 +25,11 @@ test: $(INSTALLED)-test
 # sets up and opens the lab to everybody in the room
 lab: $(INSTALLED)-web
 	$(BIN)/simcompare lab --share
+
+# the lab in a real browser, in real time: Debian's chromium, on a machine that does nothing else
+browser: $(INSTALLED)-test
+	$(BIN)/pip install -q playwright axe-core-python
+	SIMCOMPARE_BROWSER=1 $(BIN)/python -m pytest tests/test_lab_page.py
 
 # cost beside each engine's own bare loop, as ratios; never part of the tests
 bench: $(INSTALLED)-test

@@ -19,11 +19,7 @@ from tests.lab_browser import Page
 
 Browser = Callable[..., AbstractContextManager[Page]]
 LACKING = lab_browser.missing()
-pytestmark = [
-    pytest.mark.skipif(bool(LACKING), reason=LACKING),
-    # one lab for all of them
-    pytest.mark.xdist_group("lab"),
-]
+pytestmark = pytest.mark.skipif(bool(LACKING), reason=LACKING)
 RATE_HZ, G_M_S2 = 48_000, 9.80665
 #: what a page may weigh on its way
 MOST_BYTES = 3_000_000
