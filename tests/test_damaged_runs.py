@@ -34,7 +34,7 @@ def without_digests(folder):
     """Makes the record of a run one of an older simcompare, which told nothing of its tables."""
     path = folder / "run.json"
     record = json.loads(path.read_text(encoding="utf-8"))
-    path.write_text(json.dumps({**record, "tables": {}}), encoding="utf-8")
+    path.write_text(json.dumps({**record, "format": 2, "tables": {}}), encoding="utf-8")
 
 
 def edit(folder, query):

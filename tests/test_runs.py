@@ -217,7 +217,7 @@ def test_a_folder_with_files_of_others_is_kept_and_named(tmp_path, record, call)
     ("text", "says"),
     [
         ('{"format": 2,', "cannot be read: it is cut off or damaged in line 1"),
-        ('{"format": 9}', "a newer simcompare wrote it (format 9, known to 2); update simcompare"),
+        ('{"format": 9}', "a newer simcompare wrote it (format 9, known to 3); update simcompare"),
         (
             '{"format": 1, "scenario": "x.*", "sources": 1, "software": 2}',
             "field required, and more",

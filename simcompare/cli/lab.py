@@ -29,7 +29,7 @@ def lab(
         None, help="Language of the page that is opened, en or de; else the browser's."
     ),
 ) -> None:
-    """Open the lab: a page to drop balls in all engines, beside a real one."""
+    """Open the lab: drop balls in all engines, and a real one."""
     _check(share=share, host=host, pin=pin, language=language)
     from simcompare.lab import serving, work
 

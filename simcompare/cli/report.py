@@ -32,7 +32,7 @@ def report(
     ),
     opened: bool = opening.OPTION,
 ) -> None:
-    """Write the report of one stored run or of several, or the film of one."""
+    """Write the report of stored runs, or the film of one."""
     from simcompare.verbs import report as verb
     from simcompare.verbs import runs as stored
 

@@ -70,6 +70,8 @@ _USUAL = (
     "mbar", "MPa", "N/m", "V", "mV", "A", "mA", "uA", "K", "degC", "Hz", "kHz", "MHz", "T", "mT",
     "uT", "W", "mW", "kW", "J", "ohm", "percent",
 )  # fmt: skip
+#: part of the letters that a slip leaves in place
+_ALIKE = 0.6
 #: units of which a multiple is read without pint, whose import takes longer than a scenario's
 _PLAIN = {"m": "m", "s": "s", "g": "kg", "N": "N", "V": "V", "A": "A", "Hz": "Hz", "W": "W",
           "Pa": "Pa", "J": "J"}  # fmt: skip
@@ -270,11 +272,16 @@ def _not_a_unit(text: str) -> str:
     none = table.NO_UNITS.get(bare.partition("/")[0])
     if none:
         return f"{bare!r} cannot be converted: {none}"
-    near = nearest(bare) or next(
-        iter(difflib.get_close_matches(bare, _USUAL, n=1, cutoff=0.6) if len(bare) > 1 else ()), ""
-    )
+    near = nearest(bare) or _alike(bare)
     hint = f"did you mean {near}? E" if near else "e"
     return f"{text!r:.60} is not a unit; {hint}xpected {_WANTED}"
+
+
+def _alike(bare: str) -> str:
+    """The usual unit that a text is most like, of several the most usual; empty for none."""
+    likes = [difflib.SequenceMatcher(None, unit, bare).ratio() for unit in _USUAL]
+    best = max(likes)
+    return _USUAL[likes.index(best)] if len(bare) > 1 and best >= _ALIKE else ""
 
 
 def nearest(text: str) -> str:
