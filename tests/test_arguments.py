@@ -136,7 +136,7 @@ def test_numbers_of_numpy_are_numbers():
         ("run", {"scenario": "ball", "time_limit_s": -1.0}, "time_limit_s: -1 s is not a time"),
         ("run", {"scenario": "ball", "assist": "none", "contact": "tuned"}, "name it in contact"),
         ("fit", {"recordings": []}, "recordings: no recording is given"),
-        ("fit", {"recordings": ["a"], "u_time_s": -1.0}, "u_time_s: -1 s is no uncertainty"),
+        ("fit", {"recordings": ["a"], "u_time_s": -1.0}, "u_time_s: -1 s is no uncertainty of an instant"),
         ("tune", {"restitution": "0,8"}, "restitution: '0,8' has a decimal comma; write 0.8"),
         ("validate", {"scenario": "ball", "recording": "pendulum_free_swing"},
          "simcompare validate ball --recording pendulum_free_swing --template --out ball_map.yaml"),
