@@ -16,13 +16,16 @@ from simcompare.hardware.raw import RawColumn, RawStream
 
 #: a table of results has fewer rows than a log
 FEW_ROWS = 60
+#: columns that are named
+_SHOWN = 12
 #: steps of whole numbers that are milliseconds; smaller ones are seconds, larger ones microseconds
 _MILLISECONDS = (2.0, 2000.0)
 
 
 def no_time(stream: RawStream) -> str:
     """What to say of a stream in which no column is the time."""
-    names = ", ".join(column.name for column in stream.columns[:20])
+    shown = [column.name for column in stream.columns[:_SHOWN]]
+    names = ", ".join([*shown, "…"] if len(stream.columns) > _SHOWN else shown)
     spans = [c for c in stream.columns if clocks.is_span(c.name) and _unit(c) == "s"]
     if spans and len(stream) < FEW_ROWS:
         letter = clocks.is_period(spans[0].name)

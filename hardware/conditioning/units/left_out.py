@@ -15,6 +15,8 @@ from simcompare.model.recording import Conversion
 
 #: columns of one reason that are named
 _SHOWN = 8
+#: of more columns, where a template is the better way
+_BESIDE_TEMPLATE = 3
 UNKNOWN = "no unit is known"
 _JOINT = (
     "a joint turns (rad) or slides (m), and the log does not say which; write"
@@ -83,10 +85,12 @@ def with_channels(fault: str, conversions: Iterable[Conversion]) -> str:
     cures = list(dict.fromkeys(one.cure for one in others if one.cure.startswith("channels")))
     if not cures or any(one.channel for one in others):
         return fault
-    more = f"; {_TEMPLATE}" if len(cures) > _SHOWN else ""
+    many = len(cures) > _SHOWN
+    shown = cures[:_BESIDE_TEMPLATE] if many else cures
+    more = f"; {_TEMPLATE}; for the first {_BESIDE_TEMPLATE}" if many else ""
     head = fault[: line.start()].rstrip(": ") + fault[line.end() :]
     plain = "where no unit is known, unit: 1 keeps a plain number"
-    return f"{head}; {plain}{more}: {{{line[0]}, {_joined(cures[:_SHOWN])}}}"
+    return f"{head}; {plain}{more}: {{{line[0]}, {_joined(shown)}}}"
 
 
 def _told(reason: str, columns: dict[str, str]) -> str:
