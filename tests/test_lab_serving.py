@@ -26,7 +26,7 @@ pytest.importorskip("trustme", reason="the extra [web] is not installed")
 from simcompare import cli
 from simcompare.cli import lab as lab_verb
 from simcompare.errors import InputError
-from simcompare.lab import serving, share
+from simcompare.lab import connections, serving, share, uploads
 from tests import lab_stand_in
 from tests.test_lab_server import WAV
 
@@ -160,6 +160,47 @@ def test_a_length_and_parts_together_are_refused(plain):
     port = port_of(plain)
     both = head(port, b"Content-Length: 3", b"Transfer-Encoding: chunked")
     assert raw(port, both, b"0\r\n\r\nGET / HTTP/1.1\r\n\r\n").startswith(b"HTTP/1.1 400")
+
+
+@pytest.mark.parametrize("parts", [[], [b"GET / HTTP/1.1\r\nHost: 127"], [b"GET", b" / "]])
+def test_a_connection_on_which_nothing_is_asked_is_closed(plain, monkeypatch, parts):
+    monkeypatch.setattr(connections, "_HEAD_S", 0.05)
+    assert raw(port_of(plain), *parts) == b""
+
+
+def test_each_request_on_a_connection_has_its_own_time_for_its_head(plain, monkeypatch):
+    monkeypatch.setattr(connections, "_HEAD_S", 0.05)
+    port = port_of(plain)
+    whole = b"GET /api/share HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n\r\n" % port
+    answered = raw(port, whole, whole[:20])
+    assert answered.count(b"HTTP/1.1 404") == 1
+
+
+def test_one_address_cannot_take_all_connections(plain, monkeypatch):
+    monkeypatch.setattr(plain.server.config, "limit_concurrency", 6)
+    with contextlib.ExitStack() as stack:
+        address = ("127.0.0.1", port_of(plain))
+        held = [
+            stack.enter_context(socket.create_connection(address, timeout=30)) for _ in range(9)
+        ]
+        refused = [closed(one) for one in held[3:]]
+        assert all(refused)
+        held[0].sendall(head(address[1], b"Content-Length: 2200000000"))
+        assert held[0].recv(12) == b"HTTP/1.1 413"
+
+
+def closed(connection):
+    try:
+        return connection.recv(1) == b""
+    except ConnectionResetError:
+        return True
+
+
+def test_an_upload_that_trickles_is_ended(plain, monkeypatch):
+    monkeypatch.setattr(uploads, "_EACH_S", 0.05)
+    port = port_of(plain)
+    answered = raw(port, head(port, b"Content-Length: 9000"), WAV[:100])
+    assert answered.startswith(b"HTTP/1.1 408")
 
 
 @pytest.mark.parametrize(("number", "says"), [("SIGINT", "closed\n"), ("SIGKILL", "")])

@@ -15,6 +15,7 @@ from starlette.types import ASGIApp
 
 from simcompare.errors import InputError
 from simcompare.lab import application, share
+from simcompare.lab.connections import Connection
 from simcompare.lab.desk import Perform
 from simcompare.lab.groups import Groups
 from simcompare.lab.laboratory import Lab
@@ -120,10 +121,10 @@ def _server(app: ASGIApp, certificate: share.Certificate | None) -> uvicorn.Serv
     config = uvicorn.Config(
         app,
         loop="asyncio",
-        http="h11",
+        http=Connection,
         ws="none",
         lifespan="on",
-        log_level="warning",
+        log_level="error",
         access_log=False,
         server_header=False,
         proxy_headers=False,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 import re
 import secrets
 from collections.abc import AsyncIterator
@@ -21,8 +22,10 @@ from simcompare.model import whole
 
 #: largest request of JSON; bytes that are written at once
 JSON_BYTES, _AT_ONCE = 10**6, 2**20
-#: longest time between two parts of an upload, and for all of it [s]
-_PART_S, _WHOLE_S = 30.0, 900.0
+#: lists and tables within each other, at most
+_DEEPEST = 8
+#: longest time for an upload [s]: what each may take, and for every byte; no more than all of it
+_EACH_S, _BYTE_S, _WHOLE_S = 30.0, 1 / 20_000, 900.0
 
 
 @dataclass(frozen=True)
@@ -53,13 +56,11 @@ async def document(request: Request) -> dict[str, Any]:
     raw = bytearray()
     async for part in _parts(request, JSON_BYTES):
         raw += part
-        if len(raw) > JSON_BYTES:
-            raise _too_large(JSON_BYTES)
     try:
-        found = json.loads(raw, parse_constant=_refuse_constant)
+        found = json.loads(raw, parse_constant=_number, parse_float=_number, parse_int=_whole)
     except (ValueError, RecursionError):
         raise Refused(400, "bad_json") from None
-    if not isinstance(found, dict):
+    if not isinstance(found, dict) or _depth(found) > _DEEPEST:
         raise Refused(400, "bad_json")
     return found
 
@@ -143,10 +144,10 @@ async def _write(path: Path, head: bytearray, parts: AsyncIterator[bytes], most:
 async def _parts(request: Request, most: int) -> AsyncIterator[bytes]:
     """The body as it comes; who sends too slowly, or goes away, is refused."""
     loop, stream = asyncio.get_running_loop(), request.stream()
-    latest = loop.time() + _WHOLE_S
+    begun, size = loop.time(), 0
     while True:
         try:
-            async with asyncio.timeout_at(min(loop.time() + _PART_S, latest)):
+            async with asyncio.timeout_at(begun + min(_EACH_S + _BYTE_S * size, _WHOLE_S)):
                 part = await anext(stream)
         except StopAsyncIteration:
             return
@@ -154,7 +155,8 @@ async def _parts(request: Request, most: int) -> AsyncIterator[bytes]:
             raise Refused(408, "too_slow") from None
         except ClientDisconnect:
             raise Refused(400, "cut_short") from None
-        if len(part) > most:
+        size += len(part)
+        if size > most:
             raise _too_large(most)
         yield part
 
@@ -163,5 +165,22 @@ def _too_large(most: int) -> Refused:
     return Refused(413, "too_large", most=most // 10**6)
 
 
-def _refuse_constant(name: str) -> None:
-    raise ValueError(f"{name} is no number of JSON")
+def _number(text: str) -> float:
+    """A number that is finite; ``ValueError`` where it is not."""
+    if not math.isfinite(found := float(text)):
+        raise ValueError(f"{text} is not finite")
+    return found
+
+
+def _whole(text: str) -> int:
+    """A whole number that is also one with a point."""
+    _number(text)
+    return int(text)
+
+
+def _depth(value: object, so_far: int = 0) -> int:
+    """How many lists and tables lie in each other, as far as that is allowed."""
+    inside = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    if so_far > _DEEPEST:
+        return so_far
+    return max((_depth(one, so_far + 1) for one in inside), default=so_far)
