@@ -143,7 +143,12 @@ def test_jobs_that_name_what_is_not_there_are_refused(client, asked, status, sen
 
 
 @pytest.mark.parametrize(
-    "raw", [b"", b"[]", b"{", b"\xff", b'{"a": NaN}', b"[" * 100_000, b'"' + b"x" * 10 + b'"']
+    "raw",
+    [
+        *(b"", b"[]", b"{", b"\xff", b'"xxx"', b"[" * 100_000),
+        *(b'{"a": NaN}', b'{"a": -Infinity}', b'{"a": 1e400}', b'{"a": 1' + b"0" * 400 + b"}"),
+        *(b'{"a": ' + b"[" * 9 + b"]" * 9 + b"}", b'{"a":' * 50 + b"1" + b"}" * 50),
+    ],
 )
 def test_what_is_no_json_object_is_refused(client, raw):
     answer = client.post("/api/jobs", content=raw, headers={"content-type": "application/json"})

@@ -90,6 +90,7 @@ def test_engine_that_cannot_is_told_and_the_others_run() -> None:
         {**BALL, "parameters": ["drop_height_m"]},
         {**BALL, "contact": {"pymunk": 0.7}},
         {**BALL, "contact": {"pymunk": {"elasticity": 7}}},
+        {**BALL, "parameters": {f"p{i}": 1.0 for i in range(1001)}},
     ],
 )
 def test_nothing_that_a_page_sends_is_believed(request_) -> None:
@@ -105,3 +106,9 @@ def test_unknown_kind_is_refused() -> None:
 def test_all_is_refused_in_sentences() -> None:
     with pytest.raises(InputError, match="choose a level"):
         perform("run", {**BALL, "levels": []})
+
+
+def test_parts_of_a_request_that_nobody_reads_are_all_refused() -> None:
+    with pytest.raises(InputError, match="is not known; known: scenario") as caught:
+        perform("run", {**BALL, "parameter": {}, "<b>": 1})
+    assert len(caught.value.faults) == 2

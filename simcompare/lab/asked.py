@@ -16,8 +16,14 @@ from simcompare.scenarios import catalogue
 
 #: ids that the server gives
 _ID = re.compile(r"[A-Za-z0-9_-]{1,80}")
-#: most numbers in a list that a page sends
-_MOST = 10_000
+#: most parts of a list or a table that a page sends
+_MOST = 1000
+#: all that a page can ask, and what the server adds to it
+_PAGE = (
+    "scenario", "engine", "engines", "levels", "parameters", "contact", "recording", "result",
+    "struck", "points", "metres",
+)  # fmt: skip
+_SERVER = ("folder", "id", "language", "kind", "path", "name")
 
 
 @dataclass(frozen=True)
@@ -28,6 +34,18 @@ class Asked:
     """
 
     request: Mapping[str, Any]
+
+    def check(self) -> None:
+        """Refuses what nobody reads: it may be a slip of the pen.
+
+        Raises:
+            InputError: some of it is unknown.
+        """
+        unknown = sorted(self.request.keys() - {*_PAGE, *_SERVER})
+        if unknown:
+            known = ", ".join(_PAGE)
+            faults = [f"{one!r:.60} is not known; known: {known}" for one in unknown]
+            raise InputError("request", faults)
 
     def scenario(self, key: str = "scenario") -> str:
         """The name of a scenario of the catalogue.
@@ -134,8 +152,8 @@ class Asked:
 
     def _table(self, key: str) -> Mapping[str, Any]:
         value = self.request.get(key) or {}
-        if not isinstance(value, Mapping):
-            raise InputError(key, ["expected values by name"])
+        if not isinstance(value, Mapping) or len(value) > _MOST:
+            raise InputError(key, [f"expected at most {_MOST} values by name"])
         return value
 
 

@@ -36,8 +36,10 @@ def perform(kind: str, request: Mapping[str, Any]) -> Plain:
     """
     if kind not in _KINDS:
         raise UnknownName("kind of job", kind, _KINDS)
+    asked = Asked(request)
+    asked.check()
     _keep_engines()
-    return _KINDS[kind](Asked(request))
+    return _KINDS[kind](asked)
 
 
 @functools.cache
