@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -10,11 +12,12 @@ import pytest
 from simcompare.errors import InputError
 from simcompare.lab import recordings
 from simcompare.lab.envelope import envelope
+from simcompare.lab.refusals import say
 from simcompare.lab.work import perform
 from tests.lab_sounds import ball, music, silence, speech, together, write
 
 pytest.importorskip("soundfile")
-HEIGHT_M, RESTITUTION = 0.4, 0.8
+HEIGHT_M, RESTITUTION, RADIUS_M = 0.4, 0.8, 0.02
 
 
 def came(folder, sound, **more):
@@ -120,6 +123,10 @@ def test_fit_gives_every_engine_its_own_values(group, fitted) -> None:
     # what is typed in differs a little from the restitution, as engines take it
     assert values["pymunk"]["elasticity"] == pytest.approx(RESTITUTION, abs=0.01)
     assert values["box2d"]["restitution"] == pytest.approx(RESTITUTION, abs=0.05)
+    assert fitted["files"] == ["ball-values-f1.yaml"]
+    # the sliders take the ball's own height, so that what is run next can be held against it
+    assert fitted["parameters"]["drop_height_m"] == pytest.approx(HEIGHT_M, rel=4e-3)
+    assert "table" not in fitted
     assert (group / "files" / fitted["files"][0]).read_text().startswith("scenario: ball")
     assert (group / "fits" / "f1" / "fit.json").is_file()
 
@@ -157,18 +164,26 @@ def test_recording_that_is_none_is_refused(group, name) -> None:
 
 def test_script_of_a_fit_bounces_like_the_ball(group, fitted) -> None:
     (group / "results" / "f1").mkdir(parents=True, exist_ok=True)
-    found = perform("script", asked(group, "s1", result="f1"))
-    assert found["files"] == ["s1-pymunk.py"]
-    assert found["missing"][0].startswith("box2d: ")
-    text = (group / "files" / "s1-pymunk.py").read_text()
+    hand = {"pymunk": {"elasticity": 0.5}}
+    found = perform("script", asked(group, "s1", result="f1", contact=hand))
+    assert found["files"] == ["ball-pymunk-s1.py"]
+    assert found["missing"] == [say("en", "no_script", engine="box2d")]
+    script = group / "files" / "ball-pymunk-s1.py"
     elasticity = fitted["engines"][0]["values"]["elasticity"]
-    assert f"ball_shape.elasticity = {elasticity!r}\n" in text
+    assert f"ball_shape.elasticity = {elasticity!r}\n" in script.read_text()
+    # the program by itself: from as high as the ball fell, back up as the ball did
+    said = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    first = said.stdout.partition("each impact: ")[2].split()[0]
+    assert float(first) == pytest.approx(RESTITUTION, abs=2e-3)
+    with np.load(script.with_name("ball-pymunk-s1_motion.npz")) as motion:
+        height_m = motion["ball.position_m"][0, 2] - RADIUS_M
+    assert height_m == pytest.approx(HEIGHT_M, rel=5e-3)
 
 
 def test_script_of_the_students_own_values(group) -> None:
     more = {"engine": "pymunk", "contact": {"pymunk": {"elasticity": 0.5}}}
     perform("script", asked(group, "s2", **more))
-    assert "ball_shape.elasticity = 0.5\n" in (group / "files" / "s2-pymunk.py").read_text()
+    assert "ball_shape.elasticity = 0.5\n" in (group / "files" / "ball-pymunk-s2.py").read_text()
 
 
 def test_report_of_a_fit_and_of_a_run_is_a_page(group, fitted) -> None:

@@ -55,9 +55,16 @@ def _bounces(file: ScenarioFile) -> bool:
 
 
 def _engine(name: str, shown: ScenarioFacts, *, bounces: bool) -> Plain:
-    found: Plain = {"name": name, "contact": _contact(name) if bounces else []}
+    contact = _contact(name) if bounces else []
+    found: Plain = {"name": name, "contact": contact, "script": has_script(name)}
     lacking = shown.engines[name] or _not_there(name)
     return {**found, "missing": "; ".join(lacking)} if lacking else found
+
+
+def has_script(name: str) -> bool:
+    """Whether an engine can be written as a program of its own."""
+    method = getattr(engines.get(name), "script", None)
+    return method is not None and method() is not None
 
 
 def _not_there(name: str) -> list[str]:

@@ -58,7 +58,8 @@ def fit(asked: Asked) -> Plain:
     assert isinstance(found, BouncesFit)
     able = [row.name for row in found.sources if row.status == "ok"]
     values = {name: _typed(found, name) for name in able}
-    after = _after(asked, scenario, able, made / FILE, drop)
+    height = fit_file.read(made / FILE).drop(catalogue.load(scenario))
+    after = _after(asked, scenario, able, made / FILE, drop, height)
     return {
         "sentence": " ".join(short(result)),
         "restitution": _restitution(found),
@@ -69,7 +70,7 @@ def fit(asked: Asked) -> Plain:
         "missing": [f"{r.name}: {r.reason}" for r in found.sources if r.status != "ok"],
         "notes": list(found.dropped),
         "student": _student(asked.own(), values),
-        "parameters": {k: shortened(v) for k, v in found.run_with.closed.items()},
+        "parameters": {k: shortened(v) for k, v in {**found.run_with.closed, **height}.items()},
         "drop": drop,
         "files": [_values_file(asked, found, values)],
         **after,
@@ -117,18 +118,21 @@ def _restitution(found: BouncesFit) -> Plain:
 
 
 def _after(
-    asked: Asked, scenario: str, able: Sequence[str], file: Path, drop: Mapping[str, Any]
-) -> Plain:
-    """Engines as they come, as fitted, and as the student set them, beside what was recorded."""
+    asked: Asked, scenario: str, able: Sequence[str], file: Path, drop: Mapping[str, Any],
+    height: Mapping[str, float],
+) -> Plain:  # fmt: skip
+    """Engines as they come, as fitted, and as the student set them, beside what was recorded.
+
+    They are judged by the ball that was dropped, no longer by the truth of the scenario.
+    """
     own = {key: value for key, value in asked.own().items() if key.partition(".")[0] in able}
-    height = fit_file.read(file).drop(catalogue.load(scenario))
     result = simulate(
         scenario, engine=able, contact=[DEFAULT, str(file)], own=own or None, seeds=1,
-        set=height, time_limit_s=_LIMIT_S,
+        set=dict(height), time_limit_s=_LIMIT_S,
     )  # fmt: skip
     drawn = runs.drawn(result)
     return {
-        **{key: drawn[key] for key in ("replay", "curves", "y_label", "table")},
+        **{key: drawn[key] for key in ("replay", "curves", "y_label")},
         "scores": scores.of_recording(result, drop),
         "bounces": _bounces(result, drop),
     }
@@ -172,7 +176,7 @@ def _student(own: Mapping[str, float], values: Mapping[str, Mapping[str, float]]
 
 def _values_file(asked: Asked, found: BouncesFit, values: Mapping[str, Mapping[str, float]]) -> str:
     """Writes all that was found as YAML; the name of the file."""
-    name = f"{asked.text('id')}-values.yaml"
+    name = kept.name_of(asked, "values", "yaml")
     content = {
         "scenario": found.scenario,
         "step_s": found.valid.engine_step_s,

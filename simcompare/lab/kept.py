@@ -11,10 +11,13 @@ from typing import Any
 
 from simcompare.errors import InputError
 from simcompare.lab import recordings
+from simcompare.lab.asked import Asked
 from simcompare.model import recording_store, whole
 
 #: what the server writes of it
 _TOLD = "recording.json"
+#: letters of a job's id in the names of its files
+_LETTERS = 6
 
 
 def told(place: Path) -> dict[str, Any]:
@@ -68,6 +71,11 @@ def files(folder: Path) -> Path:
     place = folder / "files"
     place.mkdir(exist_ok=True)
     return place
+
+
+def name_of(asked: Asked, what: str, ending: str) -> str:
+    """What a file to take home is called: what is in it, and a few letters of its job."""
+    return f"{asked.scenario()}-{what}-{asked.text('id')[:_LETTERS]}.{ending}"
 
 
 def file(folder: Path, name: str, text: str) -> str:

@@ -8,11 +8,14 @@ from typing import Any
 
 from simcompare.errors import InputError, SimcompareError
 from simcompare.exporters.export import export
-from simcompare.lab import fits, kept
+from simcompare.lab import facts, fits, kept
 from simcompare.lab.asked import Asked
+from simcompare.lab.refusals import say
 from simcompare.model.plain import Plain
 from simcompare.model.settings import BY_HAND, DEFAULT, TUNED
+from simcompare.results import fit_file
 from simcompare.results.run import Run
+from simcompare.scenarios import catalogue
 from simcompare.verbs.load_run import load_run
 from simcompare.verbs.report import report as write_report
 from simcompare.verbs.run import run as simulate
@@ -24,8 +27,8 @@ _LIMIT_S = 60.0
 def script(asked: Asked) -> Plain:
     """A program for each engine that needs only that engine and NumPy.
 
-    With a fit as ``result`` it has what was fitted, with ``contact`` what was typed in; else the
-    engine is tuned.
+    With a fit as ``result`` it has what was fitted, and falls as high as the ball did. Else it has
+    what was typed in as ``contact``; an engine without that is tuned.
 
     Raises:
         InputError: no engine can have one; says why for each.
@@ -33,7 +36,10 @@ def script(asked: Asked) -> Plain:
     fit = fits.file_of(asked)
     names, faults = [], []
     for engine in _engines(asked):
-        name = f"{asked.text('id')}-{engine}.py"
+        if not facts.has_script(engine):
+            faults.append(say(asked.text("language", "en"), "no_script", engine=engine))
+            continue
+        name = kept.name_of(asked, engine, "py")
         try:
             kept.file(asked.folder(), name, _script_of(asked, engine, fit))
         except SimcompareError as error:
@@ -51,11 +57,14 @@ def _engines(asked: Asked) -> list[str]:
 
 
 def _script_of(asked: Asked, engine: str, fit: Path | None) -> str:
+    scenario = asked.scenario()
+    if fit is not None:
+        height = fit_file.read(fit).drop(catalogue.load(scenario))
+        return export(scenario, format="script", engine=engine, fit=str(fit), set=height)
     own = {key: v for key, v in asked.own().items() if key.partition(".")[0] == engine}
-    file = None if own or fit is None else str(fit)
     return export(
-        asked.scenario(), format="script", engine=engine, set=asked.parameters(), fit=file,
-        own=own or None, contact=None if own or file else TUNED,
+        scenario, format="script", engine=engine, set=asked.parameters(), own=own or None,
+        contact=None if own else TUNED,
     )  # fmt: skip
 
 
@@ -71,7 +80,7 @@ def report(asked: Asked) -> Plain:
     place = asked.result()
     if place is None:
         raise InputError("result", ["none is named; run or fit first"])
-    name = f"{place.name}-report.html"
+    name = kept.name_of(asked, "report", "html")
     write_report(_run_of(asked, place), out=kept.files(asked.folder()) / name)
     return {"files": [name]}
 
