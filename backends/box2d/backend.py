@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from simcompare.backends.box2d.simulation import Box2dSimulation
 from simcompare.backends.box2d.variants import VARIANTS
+from simcompare.backends.box2d.world import MADE_WITH, SET_AFTER
 from simcompare.kit import (
     CENTRED_EFFORTS,
     HALF_STEP_START,
@@ -13,6 +14,7 @@ from simcompare.kit import (
     EngineBackend,
     Feature,
     KnownLimit,
+    OwnValue,
     PipPackage,
     Traits,
 )
@@ -31,6 +33,16 @@ class Box2dBackend(EngineBackend):
     }  # fmt: skip
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "restitution"
+    other_values = (
+        OwnValue(
+            "restitution_threshold", "Impacts that are slower do not bounce.", "m/s",
+            1.0, 0.0, 5.0, tuned=SET_AFTER["restitution_threshold"],
+        ),
+        OwnValue(
+            "contact_hertz", "How hard bodies that overlap are pressed apart.", "Hz",
+            30.0, 1.0, 240.0, log=True, tuned=MADE_WITH["contact_hertz"],
+        ),
+    )  # fmt: skip
     snippet = """world = pyb2d3.World(
     gravity=gravity, contact_hertz={typed[World.contact_hertz]},
     maximum_linear_speed={typed[World.maximum_linear_speed]},

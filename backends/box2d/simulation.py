@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from simcompare.backends.box2d.variants import VARIANTS
-from simcompare.backends.box2d.world import JOINT_HZ, MADE_WITH, SET_AFTER, build, rotation
+from simcompare.backends.box2d.world import (
+    JOINT_HZ,
+    MADE_WITH,
+    SET_AFTER,
+    build,
+    rotation,
+    typed,
+)
 from simcompare.kit import (
     TUNED,
     Audit,
@@ -133,7 +140,8 @@ class Box2dSimulation(PlanarSimulation):
 
     def own_parameters(self, audit: Audit) -> None:
         gives, steps = self.scene.gives(TUNED), {"step(sub_step_count)": self.inner_steps}
-        for name, put in {**steps, **(MADE_WITH if gives else {}), **SET_AFTER}.items():
+        made = typed(self.scene, MADE_WITH) if gives else {}
+        for name, put in {**steps, **made, **typed(self.scene, SET_AFTER)}.items():
             values = put if gives or name in steps else None, getattr(self._world, name, None)
             # a scenario's bodies never sleep
             of, wanted = ("sleep", 0.0) if name == "sleeping_enabled" else ("world", None)

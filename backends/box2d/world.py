@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from simcompare.kit import (
@@ -46,10 +47,10 @@ def build(
         The world, its bodies, and its joints, each with what brakes it as the last.
     """
     gravity, is_tuned = planar(scene.scenario.world.gravity_m_s2), scene.gives(TUNED)
-    world = box2d.World(gravity=gravity, **(MADE_WITH if is_tuned else {}))
+    world = box2d.World(gravity=gravity, **(typed(scene, MADE_WITH) if is_tuned else {}))
     if not world.is_valid():
         raise Unsupported(f"{scene.engine} holds 128 worlds at most: close some simulations")
-    for name, value in SET_AFTER.items() if is_tuned else ():
+    for name, value in typed(scene, SET_AFTER).items() if is_tuned else ():
         setattr(world, name, value)
     surfaces = scene.contacts.surfaces("max", "root", scene.engine)
     bits = scene.contacts.bits(scene.engine, 64) if scene.gives(COEFFICIENTS) else {}
@@ -62,6 +63,11 @@ def build(
             )
         bodies[name] = _body(box2d, world, scene, name, definition)
     return world, bodies, {n: _joint(box2d, world, bodies, j, hertz) for n, j in joints.items()}
+
+
+def typed(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
+    """What is set of a world, some of it perhaps as somebody typed it in."""
+    return {name: scene.settings.typed(name, value) for name, value in values.items()}
 
 
 def rotation(box2d: Any, angle: float) -> Any:

@@ -6,7 +6,7 @@ import math
 import sys
 from typing import Any
 
-from simcompare.backends.mujoco.mjcf import SOLIMP
+from simcompare.backends.mujoco.mjcf import SOLIMP, SOLIMP_NAMES
 from simcompare.backends.mujoco.simulation import MujocoSimulation
 from simcompare.backends.mujoco.variants import VARIANTS
 from simcompare.kit import (
@@ -26,6 +26,12 @@ from simcompare.kit import (
 )
 
 _SOLIMP = " ".join(map(str, SOLIMP))
+#: how hard a contact is, as it comes: text, unit, value, and bounds
+_IMPEDANCE = (
+    ("How hard the contact is where bodies just touch: 1 is rigid.", "1", 0.9, 0.01, 0.9999),
+    ("How hard it is where they overlap by the width or more.", "1", 0.95, 0.01, 0.9999),
+    ("The overlap within which the contact grows hard.", "m", 0.001, 1e-5, 0.1),
+)
 
 
 class MujocoBackend(EngineBackend):
@@ -52,6 +58,10 @@ class MujocoBackend(EngineBackend):
             1.0, 0.001, 2.0, log=True,
         ),
     )  # fmt: skip
+    other_values = tuple(
+        OwnValue(name, *one, log=one[1] == "m", tuned=tuned)
+        for name, one, tuned in zip(SOLIMP_NAMES, _IMPEDANCE, SOLIMP, strict=True)
+    )
     snippet = f"""<option timestep="{{step_s!r}}" cone="elliptic"/>
 <contact>
   <pair geom1="sphere" geom2="floor" solref="{{0!r}} {{1!r}}" solimp="{_SOLIMP}"/>

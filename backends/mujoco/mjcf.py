@@ -10,6 +10,7 @@ from simcompare.kit import TUNED, Pair, Scene, SceneJoint, Shape, sizes_m
 
 #: impedance, alike at every depth; at 1 accelerations would be exactly those of spring and damper
 SOLIMP = (0.9999, 0.9999, 0.001)
+SOLIMP_NAMES = ("solimp.dmin", "solimp.dmax", "solimp.width")
 #: of the friction of joints: time constant [s] and damping ratio, and the impedance
 JOINT_FRICTION = {"solreffriction": (0.005, 1.0), "solimpfriction": SOLIMP}
 #: time constant of a contact that does not bounce [s]
@@ -134,7 +135,8 @@ def springs_of(scene: Scene, pair: Pair) -> dict[str, tuple[float, ...]]:
         return {"solref": pair.numbers} if len(pair.numbers) == 2 else {}
     # critically damped; MuJoCo takes no shorter time than two steps
     dead = (max(DEAD_CONTACT_S, 2 * scene.scenario.world.engine_step_s), 1.0)
-    found = {"solref": pair.numbers if pair.restitution > 0 else dead, "solimp": SOLIMP}
+    solimp = tuple(map(scene.settings.typed, SOLIMP_NAMES, SOLIMP))
+    found = {"solref": pair.numbers if pair.restitution > 0 else dead, "solimp": solimp}
     if pair.friction > 0 and pair.restitution > 0:
         # friction with the spring that bounces would let go long before the slip has ended
         found["solreffriction"] = pair.friction_spring or dead

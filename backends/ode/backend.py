@@ -18,6 +18,7 @@ from simcompare.kit import (
     EngineBackend,
     EngineBroken,
     KnownLimit,
+    OwnValue,
     SharedLibrary,
     Traits,
 )
@@ -34,6 +35,11 @@ class OdeBackend(EngineBackend):
     features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "bounce"
+    other_values = (
+        OwnValue(
+            "bounce_vel", "Impacts that are slower do not bounce.", "m/s", 0.0, 0.0, 5.0, tuned=0.0
+        ),
+    )
     snippet = """dWorldSetERP(world, {typed[dWorldSetERP]});
 dWorldSetCFM(world, {typed[dWorldSetCFM]});
 dWorldSetContactMaxCorrectingVel(world, {typed[dWorldSetContactMaxCorrectingVel]});

@@ -130,6 +130,7 @@ class OdeSimulation(SpatialSimulation):
         return {
             "mode": mode, "mu": pair.friction, "bounce": pair.numbers[0],
             "soft_erp": CONTACT_ERP, "soft_cfm": soft, "slip1": soft, "slip2": soft,
+            "bounce_vel": self.scene.settings.typed("bounce_vel", 0.0),
         }  # fmt: skip
 
     def _own_numbers(self) -> dict[str, float]:
@@ -289,8 +290,8 @@ class OdeSimulation(SpatialSimulation):
         given, surface = self._surface((first, second), pair), self._touches[0][1].points[0].surface
         modes = "dContactBounce | dContactApprox1 | dContactSoft"
         softness = "s/kg", "by the step and the lighter of two masses"
-        rows = {"mode": ("1", modes), "soft_erp": ("1", ""), "soft_cfm": softness,
-                "slip1": softness, "slip2": softness}  # fmt: skip
+        rows = {"mode": ("1", modes), "bounce_vel": ("m/s", ""), "soft_erp": ("1", ""),
+                "soft_cfm": softness, "slip1": softness, "slip2": softness}  # fmt: skip
         for name, (unit, note) in rows.items():
             values = given.get(name), getattr(surface, name)
             audit.add("contact", None, f"surface.{name}", values, unit, note)

@@ -12,6 +12,7 @@ from simcompare.kit import (
     SPATIAL_RIGID_BODIES,
     EngineBackend,
     KnownLimit,
+    OwnValue,
     PipPackage,
     Rims,
     Traits,
@@ -47,6 +48,20 @@ class PybulletBackend(EngineBackend):
     variants = VARIANTS
     script_module = "simcompare.backends.pybullet.script"
     typed_as = "restitution"
+    other_values = (
+        OwnValue(
+            "restitutionVelocityThreshold", "Impacts that are slower do not bounce.", "m/s",
+            0.2, 0.0, 5.0, tuned=0.0,
+        ),
+        OwnValue(
+            "contactERP", "The part of an overlap that a step takes away.", "1",
+            0.2, 0.0, 1.0, tuned=0.0,
+        ),
+        OwnValue(
+            "contactSlop", "How deep bodies may overlap before they are pressed apart.", "m",
+            1e-5, 0.0, 0.02, tuned=0.0,
+        ),
+    )  # fmt: skip
     snippet = """pybullet.setTimeStep({step_s!r})
 pybullet.setPhysicsEngineParameter(
     erp=0, contactERP=0, contactSlop=0, restitutionVelocityThreshold=0

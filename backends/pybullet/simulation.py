@@ -218,6 +218,7 @@ class PybulletSimulation(ReducedSimulation):
         bouncing = _SET_BOUNCING if self.scene.contacts.bounces else {}
         gap = {"contactProcessingThreshold": (self.scene.contact_gap_m, None)}
         own = {k: (v, None) for part in self.built.recipe for k, v in part.items()}
+        own |= {name: (value, None) for name, value in self.scene.settings.own}
         other = {k: v for k, v in (_SET | bouncing | gap).items() if k not in own}
         audit.add_without_getter("contact", other, is_given=is_tuned)
         audit.add_without_getter("contact", own, is_given=True)

@@ -110,6 +110,8 @@ class World:
                     globalCFM=scene.contact_softness,
                 )  # fmt: skip
             bullet.setPhysicsEngineParameter(contactSlop=0, restitutionVelocityThreshold=0)
+            if scene.settings.own:
+                bullet.setPhysicsEngineParameter(**dict(scene.settings.own))
         if self.recipe.world:
             bullet.setPhysicsEngineParameter(**self.recipe.world)
 

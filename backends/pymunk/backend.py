@@ -15,6 +15,7 @@ from simcompare.kit import (
     EngineBackend,
     Feature,
     KnownLimit,
+    OwnValue,
     PipPackage,
     Traits,
 )
@@ -22,6 +23,8 @@ from simcompare.kit import (
 #: longest step during an impact [s]; a longer one at rest would multiply the remembered impulse and
 #: throw the body up
 CONTACT_STEP_S = 4.0e-6
+#: Chipmunk's own, (1 - 0.1)^60 in single precision
+BIAS = 0.0017970074436457143
 
 
 class PymunkBackend(EngineBackend):
@@ -41,6 +44,16 @@ class PymunkBackend(EngineBackend):
     }  # fmt: skip
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL, REACTIONS})
     typed_as = "elasticity"
+    other_values = (
+        OwnValue(
+            "collision_slop", "How deep bodies may overlap before they are pushed apart.", "m",
+            0.1, 1e-9, 0.2, log=True, tuned=SLOP_M,
+        ),
+        OwnValue(
+            "collision_bias", "The part of an overlap that is left after a second.", "1",
+            BIAS, 1e-6, 1.0, log=True, tuned=BIAS,
+        ),
+    )  # fmt: skip
     snippet = f"""space.collision_slop = {SLOP_M}
 ball_shape.elasticity, floor_shape.elasticity = {{0!r}}, 1.0  # Chipmunk multiplies the two
 space.step({{step_s!r}})  # in every step"""

@@ -167,8 +167,12 @@ class PymunkSimulation(PlanarSimulation):
     def own_parameters(self, audit: Audit) -> None:
         space, is_tuned = self._space, self.scene.gives(TUNED)
         note = "" if is_tuned else "engine's default: overlap that is left alone"
-        slop = (SLOP_M if is_tuned else None, space.collision_slop)
+        typed = dict(self.scene.settings.own)
+        slop = (typed.get("collision_slop", SLOP_M) if is_tuned else None, space.collision_slop)
         audit.add("contact", None, "Space.collision_slop", slop, "m", note)
+        if "collision_bias" in typed:
+            left = (typed["collision_bias"], space.collision_bias)
+            audit.add("contact", None, "Space.collision_bias", left, "1")
         audit.add("damping", None, "Space.damping", (1.0, space.damping), "1", "1 means none")
         if self.linkages or self.scene.variant:
             sweeps = (self.built.sweeps, space.iterations)

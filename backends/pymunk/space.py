@@ -54,8 +54,9 @@ def build(pymunk: Any, scene: Scene, joints: Mapping[str, PlanarJoint]) -> Space
     """Builds all bodies and joints in a new space, with as much as the level gives."""
     built, is_tuned = Space(pymunk.Space()), scene.gives(TUNED)
     built.space.gravity = planar(scene.scenario.world.gravity_m_s2)
-    if is_tuned:
-        built.space.collision_slop = SLOP_M
+    own = {"collision_slop": SLOP_M, **dict(scene.settings.own)} if is_tuned else {}
+    for name, value in own.items():
+        setattr(built.space, name, value)
     built.restitution = scene.contacts.restitution_per_body("product", scene.engine)
     built.friction = scene.contacts.friction_per_body("product", scene.engine)
     for name in scene.scenario.bodies:

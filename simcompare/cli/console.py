@@ -132,6 +132,10 @@ def progress_bar(what: str) -> Iterator[Progress | None]:
         yield update
 
 
+#: between one parameter=value and another
+_NEXT = re.compile(r"[,;]\s*(?=[A-Za-z][\w.]*\s*=)")
+
+
 def pairs(
     settings: list[str], where: str = "--set", form: str = "parameter=value"
 ) -> dict[str, str | float]:
@@ -141,6 +145,9 @@ def pairs(
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
             raise InputError(where, [f"{text!r} is not of the form {form}"])
+        if _NEXT.search(value):
+            each = " ".join(f"{where} {one.strip()}" for one in re.split(_NEXT, text))
+            raise InputError(where, [f"{text!r} holds several; write {each}"])
         if name.strip() in values:
             raise InputError(where, [f"{name.strip()} is given twice"])
         values[name.strip()] = value.strip()

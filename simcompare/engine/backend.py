@@ -90,6 +90,7 @@ class EngineBackend(ABC):
         typed_as: what the engine calls the numbers that stand for a restitution, such as "solref".
         spring_values: the numbers of a spring that stands for a restitution, as people type them;
             empty where it is a coefficient.
+        other_values: what else of a contact somebody may type in; each is in the audit by its name.
         snippet: lines to copy into a loop of one's own, in which ``{0}``, ``{1}`` stand for those
             numbers, ``{step_s}`` for the step and ``{typed[NAME]}`` for what else was set; empty
             where the settings are listed.
@@ -108,6 +109,7 @@ class EngineBackend(ABC):
     script_module: str = ""
     typed_as: str = ""
     spring_values: tuple[OwnValue, ...] = ()
+    other_values: tuple[OwnValue, ...] = ()
     snippet: str = ""
     variants: Mapping[str, Variant] = MappingProxyType({})
     variant: str = ""
@@ -139,10 +141,10 @@ class EngineBackend(ABC):
 
     @property
     def own_values(self) -> tuple[OwnValue, ...]:
-        """What somebody types in to make a body bounce, in the order of ``Settings.numbers``."""
+        """What somebody types in to make a body bounce; the numbers for a restitution first."""
         if self.traits.bounces_by != COEFFICIENT or not self.typed_as:
-            return self.spring_values
-        return (coefficient(self.typed_as),)
+            return (*self.spring_values, *self.other_values)
+        return (coefficient(self.typed_as), *self.other_values)
 
     def as_typed(self, numbers: tuple[float, ...]) -> tuple[float, ...]:
         """Numbers for a restitution, such as those of a fit, as ``own_values`` has them."""

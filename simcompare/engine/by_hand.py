@@ -15,33 +15,40 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.settings import TUNED, PairNumbers, Settings
 
 OPTION = "--own"
-Numbers = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class ByHand:
-    """What stands for a restitution in some engines.
+    """What somebody typed in for some engines.
 
     Attributes:
-        numbers: engine -> its numbers, in its own order.
+        values: engine -> its values by name.
     """
 
-    numbers: Mapping[str, Numbers]
+    values: Mapping[str, Mapping[str, float]]
 
     def settings(self, engine: str, scene: Scenario) -> Settings | None:
         """How an engine is run with its values; ``None`` where it was given none.
 
-        All else is as in "tuned", so that what happens is the doing of these values.
+        What is not typed in stays as the engine comes where it stands for a restitution. All else
+        is as in "tuned", so that what happens is the doing of these values.
         """
-        numbers = self.numbers.get(engine)
-        if numbers is None:
+        typed = self.values.get(engine)
+        if typed is None:
             return None
+        own = known(engine)
+        numbers = tuple(typed.get(one.name, one.value) for one in own if one.tuned is None)
+        other = tuple(
+            (one.name, typed[one.name])
+            for one in own
+            if one.tuned is not None and one.name in typed
+        )
         pairs = tuple(
             PairNumbers(contact.pair, numbers)
             for contact in touching_pairs(scene)
             if contact.restitution > 0
         )
-        return Settings(TUNED, numbers=pairs)
+        return Settings(TUNED, numbers=pairs, own=other)
 
 
 def known(engine: str) -> tuple[OwnValue, ...]:
@@ -59,7 +66,7 @@ def typed(engine: str, numbers: Sequence[float]) -> dict[str, float]:
 
 
 def read(asked: Mapping[str, str | float], chosen: Sequence[str], scene: Scenario) -> ByHand:
-    """Engine -> its numbers; values that are not named are those of the engine as it comes.
+    """What was typed in for each engine.
 
     Args:
         asked: ``{"ENGINE.VALUE": number}``; text may carry a unit.
@@ -83,12 +90,7 @@ def read(asked: Mapping[str, str | float], chosen: Sequence[str], scene: Scenari
         )
     if faults:
         raise InputError(OPTION, faults)
-    return ByHand(
-        {
-            engine: tuple(own.get(one.name, one.value) for one in known(engine))
-            for engine, own in values.items()
-        }
-    )
+    return ByHand(values)
 
 
 def _place(given: str, chosen: Sequence[str]) -> tuple[str, OwnValue]:

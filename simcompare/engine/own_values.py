@@ -17,6 +17,8 @@ class OwnValue:
         min: smallest value that makes sense.
         max: largest value that makes sense.
         log: whether equal factors count alike, not equal differences.
+        tuned: what it is where all else is given, and it is not typed; ``None``: it stands for a
+            restitution, and is ``value`` then.
     """
 
     name: str
@@ -26,6 +28,7 @@ class OwnValue:
     min: float
     max: float
     log: bool = False
+    tuned: float | None = None
 
 
 def coefficient(name: str) -> OwnValue:

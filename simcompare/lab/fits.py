@@ -166,10 +166,12 @@ def _student(own: Mapping[str, float], values: Mapping[str, Mapping[str, float]]
     for key, yours in own.items():
         engine, _, name = key.partition(".")
         fitted = values.get(engine, {}).get(name)
-        unit = next((one.unit for one in by_hand.known(engine) if one.name == name), "1")
+        value = next(one for one in by_hand.known(engine) if one.name == name)
+        if fitted is None:  # all else is as in "tuned"
+            fitted = value.tuned
         rows.append({
             "engine": engine, "name": name, "yours": yours, "fitted": shortened(fitted),
-            "unit": unit,
+            "unit": value.unit,
         })  # fmt: skip
     return rows
 

@@ -72,6 +72,7 @@ class Settings:
         numbers: what stands for the restitution of each pair where impacts are not landed on;
             a pair without numbers has the scenario's coefficient.
         drops: impacts for which such numbers are sought; ``None``: the first ones of the scene.
+        own: what somebody typed in of the engine's other values for a contact, by their names.
     """
 
     contact: str = ASSISTED
@@ -79,6 +80,7 @@ class Settings:
     helps: frozenset[str] | None = None
     numbers: tuple[PairNumbers, ...] = ()
     drops: tuple[DropPlan, ...] | None = None
+    own: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "contact", OLD_LEVELS.get(self.contact, self.contact))
@@ -95,6 +97,10 @@ class Settings:
     def helps_with(self, help_name: str) -> frozenset[str] | None:
         """The helps of these settings, and one more."""
         return None if self.helps is None else self.helps | {help_name}
+
+    def typed(self, name: str, otherwise: float) -> float:
+        """One of the engine's other values for a contact: as typed in, or what it is otherwise."""
+        return dict(self.own).get(name, otherwise)
 
     def numbers_of(self, contact: Contact) -> tuple[float, ...]:
         """The engine's numbers for a pair; the scenario's coefficient where there are none."""

@@ -37,7 +37,8 @@ export class Choices {
   // an engine's own values; they count from the first touch until they are put back
   hand({ name, contact }) {
     const use = tick("checkbox", "hand", name, words("hand.use", { engine: name }));
-    const sliders = contact.map((one) => new Slider(one, () => {
+    const comes = (one) => (one.tuned === null || one.tuned === one.value ? one.text : `${one.text} ${words("hand.comes", { value: one.value, unit: one.unit === "1" ? "" : one.unit }).trim()}`);
+    const sliders = contact.map((one) => new Slider({ ...one, text: comes(one) }, () => {
       use.firstChild.checked = true;
       this.changed(BY_HAND);
     }));
@@ -59,7 +60,7 @@ export class Choices {
   /** Engine -> its values, where the user set them. */
   get contact() {
     const used = [...this.hands].filter(([, one]) => one.use.checked);
-    return Object.fromEntries(used.map(([name, one]) => [name, Object.fromEntries(one.sliders.map((slider) => [slider.name, slider.value]))]));
+    return Object.fromEntries(used.map(([name, one]) => [name, Object.fromEntries(one.sliders.filter((slider, i) => !i || slider.value !== slider.start).map((slider) => [slider.name, slider.value]))]));
   }
   /** What a job needs to know of the choices. */
   get wish() {
@@ -71,6 +72,6 @@ export class Choices {
   takeOver(engine, values) {
     const hand = this.hands.get(engine);
     if (!hand) return;
-    hand.sliders.filter((one) => one.name in values).forEach((one) => one.put(values[one.name]));
+    hand.sliders.forEach((one) => one.put(values[one.name] ?? one.start));
   }
 }

@@ -13,7 +13,7 @@ export class Slider {
   constructor(parameter, changed) {
     const { name, text = "", min, max } = parameter, unit = parameter.unit === "1" ? "" : parameter.unit ?? "";
     const isWide = parameter.log ?? (min > 0 && max / min >= WIDE);
-    Object.assign(this, { name, min, max, unit, changed, isWide, start: parameter.value });
+    Object.assign(this, { name, min, max, unit, changed, isWide, start: parameter.tuned ?? parameter.value });
     const id = `slider-${(count += 1)}`;
     this.number = make("input", { type: "number", id, step: "any", min, max });
     this.range = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
@@ -27,7 +27,7 @@ export class Slider {
       this.range, bounds, this.wrong, make("p", { className: "small what", textContent: text }));
     this.range.addEventListener("input", () => this.put(this.valueAt(Number(this.range.value)), true));
     this.number.addEventListener("input", () => this.typed());
-    this.put(parameter.value);
+    this.put(this.start);
   }
   valueAt(place) {
     const part = place / STEPS;
