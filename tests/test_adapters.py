@@ -7,11 +7,13 @@ import pytest
 
 from simcompare.backends import conformance
 from simcompare.engine import engines
+from simcompare.engine.features import Feature
 
 FOLDER = Path(conformance.__file__).resolve().parent
 #: most statements of an adapter, its script writer and known limits apart: a planar engine whose
-#: joints are constraints has to build these; every other one has 250, and for variants 25 more
-MOST, USUAL, FOR_VARIANTS = {"pymunk": 350}, 250, 25
+#: joints are constraints has to build these; every other one has 250, for variants 25 more, and for
+#: casting rays 10 more
+MOST, USUAL, FOR_VARIANTS, FOR_RAYS = {"pymunk": 350}, 250, 25, 10
 
 
 def files_of(engine):
@@ -39,6 +41,7 @@ def test_an_adapter_is_small(engine):
     files = files_of(engine)
     assert files
     most = MOST.get(engine, USUAL) + FOR_VARIANTS * bool(engines.quick_variants(engine))
+    most += FOR_RAYS * (Feature.RAYS in engines.get(engine).features)
     assert sum(map(statements, files)) <= most
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,6 +12,7 @@ from simcompare.backends.dart.variants import DETECTOR, SOLVER
 from simcompare.backends.dart.world import FRICTION_TOLERANCE, build, parts_of
 from simcompare.kit import (
     TUNED,
+    Array,
     Audit,
     FreeCoordinates,
     Held,
@@ -32,7 +34,9 @@ class DartSimulation(ReducedSimulation):
     def __init__(self, dart: Any, scene: Scene) -> None:
         super().__init__(scene)
         self.built = build(dart, scene)
+        self._dart, self._seen = dart, dict[str, Any]()
         self._world, self._nodes = self.built.world, self.built.nodes
+        self.take_step = self._world.step
         self._width, first = sum(tree.getNumDofs() for tree in self.built.trees), 0
         # a row holds all positions, then all velocities
         self._readers, firsts = [], {}
@@ -48,11 +52,6 @@ class DartSimulation(ReducedSimulation):
         self._driven = [self.built.joints[name] for name in self.driven or ()]
         self._touching: dict[tuple[Any, Any], frozenset[str]] = {}
         self.place_all()
-
-    def take_steps(self, count: int) -> None:
-        step = self._world.step
-        for _ in range(count):
-            step()
 
     def set_engine_step(self, step_s: float) -> None:
         self._world.setTimeStep(step_s)
@@ -100,6 +99,25 @@ class DartSimulation(ReducedSimulation):
                 pair = self._touching[objects] = frozenset(bodies)
             found[pair] = found.get(pair, 0.0) + contact.force.dot(contact.normal)
         return found
+
+    def cast_rays(
+        self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
+    ) -> Sequence[float]:
+        group = self._seen.get(without_body) or self._group_without(without_body)
+        raycast, option = group.raycast, self._dart.collision.RaycastOption()
+        origin, found = np.asarray(origin_m), []
+        for end in origin + reach_m * directions:
+            result = self._dart.collision.RaycastResult()
+            is_met = raycast(origin, end, option, result)
+            found.append(reach_m * result.mRayHits[0].mFraction if is_met else math.inf)
+        return found
+
+    def _group_without(self, body: str) -> Any:
+        """What rays can meet: of DART's detectors its own casts them, and exactly."""
+        group = self._dart.collision.DARTCollisionDetector().createCollisionGroup()
+        group.addShapeFrames([one for one, owner in self.built.owners.items() if owner != body])
+        self._seen[body] = group
+        return group
 
     def row(self) -> Any:
         row = [0.0] * (2 * self._width)

@@ -18,6 +18,7 @@ from simcompare.kit import (
     SPATIAL_RIGID_BODIES,
     SPRING,
     EngineBackend,
+    Feature,
     KnownLimit,
     OwnValue,
     PipPackage,
@@ -44,7 +45,7 @@ class MujocoBackend(EngineBackend):
         offset_centres=True, bounces_by=SPRING, passive="both", has_armature=True,
         bounce_step_s=SOFT_STEP_S,
     )  # fmt: skip
-    features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
+    features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES | {Feature.RAYS}
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS})
     typed_as = "solref"
     # one of its two forms; the other one is (-stiffness, -damping)

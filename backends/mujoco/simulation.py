@@ -82,6 +82,21 @@ class MujocoSimulation(ReducedSimulation):
     def push(self, body: str, force: Vector) -> None:
         self._pushes[body][:] = force
 
+    def cast_rays(
+        self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
+    ) -> Sequence[float]:
+        mujoco, count = self._mujoco, len(directions)
+        mujoco.mj_kinematics(self._model, self.data)  # a step leaves bodies where it began
+        own = self._model.body(without_body).id if without_body else -1
+        geoms, distances = np.empty(count, np.int32), np.empty(count)
+        mujoco.mj_multiRay(
+            self._model, self.data, np.asarray(origin_m), directions.ravel(), None, True, own,
+            geoms, distances, None, count, reach_m,
+        )  # fmt: skip
+        distances[(distances < 0) | (distances > reach_m)] = np.inf
+        found: list[float] = distances.tolist()
+        return found
+
     def row(self) -> Any:
         return [*self._qpos.tolist(), *self._qvel.tolist()]
 

@@ -17,6 +17,7 @@ from simcompare.kit import (
     SPATIAL_RIGID_BODIES,
     EngineBackend,
     EngineBroken,
+    Feature,
     KnownLimit,
     OwnValue,
     SharedLibrary,
@@ -32,7 +33,7 @@ class OdeBackend(EngineBackend):
     library = SharedLibrary("ode", "sudo apt-get install libode8", ["libode.so.8"], DECLARATIONS)
     # bounces have no threshold: what rests must not be taken for what falls by half a long step
     traits = Traits(rest_step_s=1.0e-5)
-    features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
+    features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES | {Feature.RAYS}
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "bounce"
     other_values = (

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
 from simcompare.backends.ode.variants import STEP, VARIANTS
 from simcompare.kit import (
     TUNED,
+    Array,
     Audit,
     BodyState,
     Held,
@@ -224,6 +226,22 @@ class OdeSimulation(SpatialSimulation):
             if pair == {first, second}
             for i in range(touch.count)
         )
+
+    # --- rays ---------------------------------------------------------------------------------
+
+    def cast_rays(
+        self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
+    ) -> Sequence[float]:
+        lib, point = self._lib, self._ffi.new("dContactGeom *")
+        ray = self._ffi.gc(lib.dCreateRay(self._ffi.NULL, reach_m), lib.dGeomDestroy)
+        skip, collide = self._ffi.sizeof("dContactGeom"), lib.dCollide
+        geoms = [one for name, own in self._geoms.items() if name != without_body for one in own]
+        found = []
+        for direction in directions.tolist():
+            lib.dGeomRaySet(ray, *origin_m, *direction)
+            depths = [point.depth for geom in geoms if collide(ray, geom, 1, point, skip)]
+            found.append(min(depths, default=math.inf))
+        return found
 
     # --- what it holds ------------------------------------------------------------------------
 

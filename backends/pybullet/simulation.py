@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
+
+import numpy as np
 
 from simcompare.backends.pybullet.world import BASE, MAX_SPEED, ORIGIN, SWEEPS, Client, World
 from simcompare.kit import (
     TUNED,
+    Array,
     Audit,
     FreeCoordinates,
     Held,
@@ -21,6 +25,8 @@ from simcompare.kit import (
     unreadable,
 )
 
+#: asks for the nearest hit of a ray; numbers from 0 on for each of them, in any order
+FIRST_HIT = -1
 #: what is set where everything is given: value, and PyBullet's default
 _SET: dict[str, tuple[float, float | None]] = {
     "contactSlop": (0.0, 1e-5),
@@ -100,6 +106,25 @@ class PybulletSimulation(ReducedSimulation):
         held = self.scene.joints[joint]
         a, b, c = held.mount.axis if held.joint.type == "slider" else ORIGIN
         return x + motor * a, y + motor * b, z + motor * c
+
+    def cast_rays(
+        self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
+    ) -> Sequence[float]:
+        own = self.built.bodies.get(without_body)
+        ends = (np.asarray(origin_m) + reach_m * directions).tolist()
+        found, left, number = [math.inf] * len(ends), [*range(len(ends))], FIRST_HIT
+        while left:  # what lies behind the own body is told as one hit after another
+            hits = self._bullet.rayTestBatch(
+                [origin_m] * len(left), [ends[i] for i in left], reportHitNumber=number
+            )
+            for i, (uid, link, fraction, *_) in zip(left, hits, strict=True):
+                if uid >= 0 and (uid, link) != own:
+                    found[i] = min(found[i], reach_m * fraction)
+            is_met = [uid >= 0 for uid, *_ in hits]
+            if number == FIRST_HIT:
+                is_met = [own is not None and hit[:2] == own for hit in hits]
+            left, number = [i for i, met in zip(left, is_met, strict=True) if met], number + 1
+        return found
 
     def contact_points(self, first: str, second: str) -> Iterable[tuple[float, float]]:
         (uid, link), (other, end) = self.built.bodies[first], self.built.bodies[second]

@@ -13,6 +13,7 @@ from simcompare.kit import (
     RECOIL,
     SPATIAL_RIGID_BODIES,
     EngineBackend,
+    Feature,
     KnownLimit,
     PipPackage,
     Traits,
@@ -26,7 +27,7 @@ class RapierBackend(EngineBackend):
     simulation = RapierSimulation
     library = PipPackage("rapier3d", "pip install 'simcompare[rapier]'", ["rapier3d"])
     traits = Traits(precision=1e-6, turn_made=lambda turn: 2 * math.atan(turn / 2))
-    features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES
+    features = SPATIAL_RIGID_BODIES | JOINTS_AND_FORCES | {Feature.RAYS}
     helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
     typed_as = "restitution"
     snippet = """parameters = world.integration_parameters

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from operator import attrgetter
 from typing import Any, Literal
 
@@ -245,6 +246,19 @@ class RapierSimulation(SpatialSimulation):
         # they are those of the last part of the step
         on_parent = (np.linalg.solve(unmix, impulses) @ axes).tolist()
         return times(-self.inner_steps / self.step_now_s, on_parent)
+
+    # --- rays ---------------------------------------------------------------------------------
+
+    def cast_rays(
+        self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
+    ) -> Sequence[float]:
+        world, make = self._world, self._rapier.Ray
+        world.update_query_pipeline()  # bodies may have been put elsewhere
+        own = self._handles.get(without_body)
+        others = self._rapier.QueryFilter(exclude_rigid_body=own) if own is not None else None
+        cast = world.query_pipeline.cast_ray
+        hits = [cast(make(origin_m, one), reach_m, False, others) for one in directions.tolist()]
+        return [math.inf if hit is None else hit[1] for hit in hits]
 
     # --- what it holds ------------------------------------------------------------------------
 

@@ -32,6 +32,7 @@ class Feature(enum.StrEnum):
     JOINT_LIMIT = "limits of joints"
     FORCE_SENSOR = "forces through joints"
     CONTACT_FORCE = "contact forces"
+    RAYS = "rays of range sensors"
 
 
 #: what an engine of free rigid bodies in space can do

@@ -15,6 +15,7 @@ from simcompare.errors import SimulationDiverged
 from simcompare.model.audit import Audit
 from simcompare.model.scenario import Sensor
 from simcompare.model.shapes import Vector
+from simcompare.model.trajectory import Array
 
 #: numbers of this size [SI] are no motion any more
 ABSURD = 1e8
@@ -89,6 +90,24 @@ class EngineHooks(StatefulMotion):
     def contact_forces(self) -> Mapping[frozenset[str], float]:
         """The same for every pair that is sensed and touched; engines that list them all do it."""
         return {pair: self.contact_force(*sensed) for pair, sensed in self._pairs.items()}
+
+    def cast_rays(
+        self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
+    ) -> Sequence[float]:
+        """How far rays go in the engine, as its bodies are now, until they meet one.
+
+        It changes nothing of what comes after.
+
+        Args:
+            origin_m: where all of them begin, outside of all other bodies; in the world's frame.
+            directions: unit vectors (n, 3) in the world's frame.
+            without_body: the body whose shapes they pass through; empty for none.
+            reach_m: how far they go.
+
+        Returns:
+            Distances along the rays (n,) [m]; ``inf`` where nothing is met.
+        """
+        raise NotImplementedError
 
     def held_of_world(self) -> Table:
         """What the engine holds of step and gravity."""

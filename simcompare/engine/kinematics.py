@@ -7,15 +7,17 @@ here once for a whole recording is cheaper than asking for every body in every s
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from simcompare.model.rotations import conjugate, cross, multiply, quaternions_of, rotate
 from simcompare.model.scenario import MOVABLE, Body, Joint, Scenario
-from simcompare.model.shapes import Quaternion, Vector
+from simcompare.model.shapes import Quaternion, Shape, Vector
 from simcompare.model.trajectory import Array
+from simcompare.model.vectors import multiplied, plus, times, turned
 
 
 @dataclass(frozen=True)
@@ -152,6 +154,25 @@ def _follow(mount: Mount, joint: Joint, above: _Motion, moved: tuple[Array, Arra
         away, own = away + axis * coordinate, axis * speed
     child = multiply(turned, np.tile(mount.orientation_wxyz, (len(position), 1)))
     return position + away, child, velocity + cross(rate, away) + own, spin
+
+
+def placed_shapes(body: Body, shapes: Sequence[Shape]) -> list[Shape]:
+    """Shapes of a body: in its frame, or in the world's where it is fixed.
+
+    Normals of planes have length 1.
+    """
+    place, turn = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+    if body.fixed:
+        place, turn = body.position_m, body.orientation_wxyz
+    found = list[Shape]()
+    for shape in shapes:
+        moved: dict[str, object] = {"position_m": plus(place, turned(turn, shape.position_m))}
+        if shape.type == "plane":
+            moved["normal"] = turned(turn, times(1 / math.hypot(*shape.normal), shape.normal))
+        else:
+            moved["orientation_wxyz"] = multiplied(turn, shape.orientation_wxyz)
+        found.append(shape.model_copy(update=moved))
+    return found
 
 
 def _unit(axis: Vector) -> Array:

@@ -13,14 +13,14 @@ from simcompare.engine.drives import JointLaw, laws_of
 from simcompare.engine.features import Feature
 from simcompare.engine.helps import LANDING, RIMS, centred_efforts, rims, spring_contact
 from simcompare.engine.helps.landing import approaches, finely_stepped
-from simcompare.engine.kinematics import Mount, add_children, in_order, mount_of
+from simcompare.engine.kinematics import Mount, add_children, in_order, mount_of, placed_shapes
 from simcompare.engine.state import BodyState
 from simcompare.errors import Unsupported
 from simcompare.model.scenario import MOVABLE, Joint, Scenario
 from simcompare.model.settings import COEFFICIENT, SPRING, Settings
 from simcompare.model.shapes import Shape, Vector
 from simcompare.model.trajectory import BODY_SIGNALS, Array
-from simcompare.model.vectors import multiplied, plus, times, turned
+from simcompare.model.vectors import plus, times, turned
 
 
 @dataclass(frozen=True)
@@ -138,18 +138,7 @@ class Scene:
 
         Normals of planes have length 1.
         """
-        owner, found = self.scenario.bodies[body], list[Shape]()
-        place, turn = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-        if owner.fixed:
-            place, turn = owner.position_m, owner.orientation_wxyz
-        for shape in self.shapes[body]:
-            moved: dict[str, object] = {"position_m": plus(place, turned(turn, shape.position_m))}
-            if shape.type == "plane":
-                moved["normal"] = turned(turn, times(1 / math.hypot(*shape.normal), shape.normal))
-            else:
-                moved["orientation_wxyz"] = multiplied(turn, shape.orientation_wxyz)
-            found.append(shape.model_copy(update=moved))
-        return found
+        return placed_shapes(self.scenario.bodies[body], self.shapes[body])
 
     def drawn(self, joint: str) -> tuple[Vector, Vector]:
         """Anchor and unit axis of a joint in the world's frame, as it is drawn."""
