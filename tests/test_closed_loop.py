@@ -87,6 +87,86 @@ def test_readings_have_every_signal_as_plain_numbers():
     assert seen[0][1]["chassis.velocity_m_s"] == (0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_reading_that_is_asked_for_alone_is_what_all_of_them_say(engine):
+    scenario = catalogue.load("robot_motor" if engine in SPATIAL else "pendulum_torque").resolve()
+    simulation = engines.get(engine).open(scenario, Settings())
+    for _ in range(7):  # from no sample before this one to more than are kept
+        alone = simulation.read()
+        every = dict(simulation.read())
+        assert every == {name: alone[name] for name in reversed([*every])}
+        assert len(alone) == len(every)
+        simulation.step()
+    simulation.close()
+
+
+@pytest.mark.parametrize("engine", SPATIAL)
+def test_readings_stay_those_of_their_instant(engine):
+    simulation = engines.get(engine).open(catalogue.load("robot").resolve(), Settings())
+    simulation.step()
+    then, kept = simulation.read(), dict(simulation.read())
+    simulation.step(count=10)
+    assert dict(simulation.read()) != kept
+    simulation.close()
+    assert dict(then) == kept
+
+
+@pytest.mark.parametrize("engine", SPATIAL)
+def test_held_inputs_move_alike_in_one_go_and_step_by_step(engine):
+    scenario = catalogue.load("robot_motor").resolve()
+    simulation = engines.get(engine).open(scenario, Settings())
+    given = {"left_drive": 3.0, "right_drive": 1.0}
+    ends = []
+    start = simulation.save()
+    for counts in ([1] * 40, [20, 20], [3, 37]):
+        simulation.restore(start)
+        for count in counts:
+            simulation.step(given, count)
+        assert simulation.time_s == pytest.approx(0.04)
+        ends.append(dict(simulation.read()))
+    simulation.close()
+    assert ends[0] == ends[1] == ends[2]
+
+
+@pytest.mark.parametrize("engine", SPATIAL)
+def test_efforts_that_an_engine_keeps_act_as_if_they_were_given_anew(engine):
+    scenario = catalogue.load("robot_motor").resolve(step_s=0.01)
+    world = scenario.world.model_copy(update={"substeps": 10})
+    scenario = scenario.model_copy(update={"world": world})
+    simulation = engines.get(engine).open(scenario, Settings())
+    start, ends = simulation.save(), []
+    for kept in {simulation.efforts_last, False}:
+        simulation.efforts_last = kept
+        simulation.restore(start)
+        for volts in (3.0, 1.0):
+            simulation.step({"left_drive": volts, "right_drive": -volts})
+        ends.append(dict(simulation.read()))
+    simulation.close()
+    assert ends[0] == ends[-1]
+
+
+@pytest.mark.parametrize("engine", SPATIAL)
+def test_a_controller_that_is_asked_less_often_is_held(engine):
+    times = []
+
+    def push(time_s, readings):
+        times.append(time_s)
+        return {"left_drive": 0.01 * len(times)}
+
+    found = simcompare.control("robot", push, engine=engine, every="0.3s").signals
+    assert times == pytest.approx([0.0, 0.3, 0.6, 0.9])
+    torque = found["left_motor.torque_N_m"]
+    assert torque[[0, 299, 300, 599, 600, 1020]] == pytest.approx(
+        [1e-2, 1e-2, 2e-2, 2e-2, 3e-2, 4e-2]
+    )
+
+
+@pytest.mark.parametrize("every", ["1.5ms", 0.0004, -1])
+def test_a_controller_is_not_asked_between_two_samples(every):
+    with pytest.raises(InputError, match="no whole number of recorded steps"):
+        simcompare.control("robot", lambda t, r: {}, engine=SPATIAL[0], every=every)
+
+
 def test_inputs_that_are_left_out_follow_their_signals():
     left_off = simcompare.control(
         "robot", lambda t, r: {"left_drive": 0.0}, engine=SPATIAL[0]

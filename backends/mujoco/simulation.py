@@ -40,6 +40,7 @@ class MujocoSimulation(ReducedSimulation):
     """A compiled MJCF model and its data."""
 
     FREE = FreeCoordinates("wxyz", body_rates=True)
+    efforts_last = True
 
     def __init__(self, mujoco: Any, scene: Scene) -> None:
         super().__init__(scene)
@@ -126,9 +127,12 @@ class MujocoSimulation(ReducedSimulation):
 
         kind, steps = self._mujoco.mjtState.mjSTATE_FULLPHYSICS, count * self.substeps
         efforts = None if self._drive is None else self._drive.rows(steps)[None]
+        # the solver goes on from its last solution, as it does in single steps
+        last = self.data.qacc_warmstart[None].copy()
         states, sensed = rollout.rollout(
-            self._model, self.data, self._state(kind)[None], efforts, nstep=steps
-        )
+            self._model, self.data, self._state(kind)[None], efforts,
+            nstep=steps, initial_warmstart=last,
+        )  # fmt: skip
         self._mujoco.mj_setState(self._model, self.data, states[0, -1], kind)
         # the time comes first, then a row
         motion = states[0, self.substeps - 1 :: self.substeps, 1 : 1 + len(self.row())]

@@ -92,12 +92,13 @@ def checked_inputs(
     if not isinstance(given, Mapping):
         kind = type(given).__name__
         raise InputError(where, [f"found a {kind}; expected a mapping of input -> number"])
-    now = input_values(scenario, np.array([time_s]))
+    left_out = scenario.inputs.keys() - given.keys()
+    now = input_values(scenario, np.array([time_s])) if left_out else {}
     values = {name: float(v[0]) for name, v in now.items()}
     faults = []
     for name, value in given.items():
-        if name not in values:
-            raise UnknownName(f"input of {scenario.name}", str(name), values)
+        if name not in scenario.inputs:
+            raise UnknownName(f"input of {scenario.name}", str(name), scenario.inputs)
         try:
             if isinstance(value, str | bool):
                 raise TypeError
@@ -217,8 +218,21 @@ class Drive:
         """Gives all inputs fixed values until the next call; ``None``: the scenario's signals."""
         self._held = None
         if inputs is not None:
-            rows = {name: np.array([value]) for name, value in inputs.items()}
-            self._held = open_loop(self.laws, rows, 1)[0].tolist()
+            self._held = [
+                sum(gain * inputs[name] for name, gain in law.gains.items())
+                for law in self.laws.values()
+            ]
+
+    def steady(self, count: int) -> list[float] | None:
+        """Efforts that stay the same in the next ``count`` engine steps; moves on by as many.
+
+        ``None``, and no step further, where they follow the motion or the scenario's signals.
+        """
+        if self.follows or self._held is None:
+            return None
+        self._index += count
+        self.given = self._held
+        return self._held
 
     def go_to(self, index: int, rates_before: Sequence[float] | None) -> None:
         """Continues from an engine step, with the rates that were stored one step before it."""

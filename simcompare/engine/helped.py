@@ -239,6 +239,12 @@ class HelpedSimulation(EngineHooks):
         if not self._acts:
             self.take_steps(count)
             return
+        if self.efforts_last and self._drive and not (self._dragged or self.recoil):
+            efforts = self._drive.steady(count)
+            if efforts is not None:
+                self.give(efforts)
+                self.take_steps(count)
+                return
         for _ in range(count):
             self.act()
             self.take_steps(1)

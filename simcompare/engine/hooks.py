@@ -26,7 +26,10 @@ class EngineHooks(StatefulMotion):
 
     Attributes:
         take_step: takes one engine step, where an engine has it as a function.
+        efforts_last: whether efforts that were given act in every step until others are given.
     """
+
+    efforts_last = False
 
     take_step: Callable[[], object]
     #: pairs whose contact forces are read, and the widest gap at which a contact acts [m]

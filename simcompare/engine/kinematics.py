@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,16 +98,34 @@ def trees(scenario: Scenario) -> dict[str, list[str]]:
     return {body: walk(body) for body in scenario.bodies if body not in carried}
 
 
-def add_children(scenario: Scenario, signals: dict[str, Array], count: int) -> None:
+def carriers(scenario: Scenario, body: str) -> set[str]:
+    """A body and all those that carry it through joints."""
+    above = {joint.child: joint.parent for joint in scenario.joints.values()}
+    found = {body}
+    while body in above:
+        body = above[body]
+        found.add(body)
+    return found
+
+
+def add_children(
+    scenario: Scenario,
+    signals: dict[str, Array],
+    count: int,
+    only: Collection[str] | None = None,
+) -> None:
     """Adds the motion of every body on a joint whose motion is not among the signals.
 
     Args:
         scenario: the scene.
         signals: motions of bodies, and coordinates and rates of joints; is added to.
         count: number of samples.
+        only: the bodies that are asked for, with all that carry them; ``None``: all.
     """
+    if only is not None and not only:
+        return
     for name, joint in in_order(scenario).items():
-        if f"{joint.child}.position_m" in signals:
+        if f"{joint.child}.position_m" in signals or (only is not None and joint.child not in only):
             continue
         above = _motion(signals, scenario.bodies[joint.parent], joint.parent, count)
         coordinate, rate = (

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from simcompare.errors import UnknownName
+from simcompare.model.trajectory import Array
+
+#: a number, or the components of a vector or a quaternion
+Reading = float | tuple[float, ...]
 
 
 class NoSuchReading(UnknownName, KeyError):
@@ -31,9 +35,51 @@ def _likeness(asked: str, name: str) -> float:
     return 2.0 * name.startswith(asked) + difflib.SequenceMatcher(None, asked, name).ratio()
 
 
-class Readings(dict[str, float | tuple[float, ...]]):
-    """Every signal now by its name: a number, or a tuple of its components."""
+class Readings(Mapping[str, Reading]):
+    """Every signal at one instant by its name: a number, or a tuple of its components.
 
-    def __missing__(self, name: object) -> float:
-        """Tells which readings there are."""
-        raise NoSuchReading(name, self)
+    What is asked for is worked out then, and nothing else. It is what was known at that instant,
+    also where it is read later.
+
+    Args:
+        compute: gives the signals (n,) or (n, k) of one owner, such as "chassis", and perhaps more;
+            those of all owners for ``None``. The last sample is read.
+    """
+
+    def __init__(self, compute: Callable[[str | None], Mapping[str, Array]]) -> None:
+        self._compute = compute
+        self._found: dict[str, Array] = {}
+        self._all: Mapping[str, Array] | None = None
+
+    def __getitem__(self, name: str) -> Reading:
+        """A reading; where there is none of that name, tells which there are."""
+        values = self._found.get(name)
+        if values is None:
+            self._found |= self._compute(str(name).partition(".")[0])
+            values = self._found.get(name)
+        if values is None:
+            raise NoSuchReading(name, self)
+        last: Reading = values[-1].tolist()
+        return tuple(last) if isinstance(last, list) else last
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a reading of that name."""
+        return name in self._every()
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of all readings."""
+        return iter(self._every())
+
+    def __len__(self) -> int:
+        """How many readings there are."""
+        return len(self._every())
+
+    def __repr__(self) -> str:
+        """All names and values, as of a dict."""
+        return repr(dict(self))
+
+    def _every(self) -> Mapping[str, Array]:
+        if self._all is None:
+            self._all = self._compute(None)
+            self._found |= self._all
+        return self._all

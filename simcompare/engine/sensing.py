@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from simcompare.engine.kinematics import add_children
+from simcompare.engine.kinematics import add_children, carriers
 from simcompare.model.rotations import conjugate, multiply, rotate, rotation_vectors_of
 from simcompare.model.scenario import MOVABLE, SENSOR_SIGNALS, DcMotor, Scenario, Sensor
 from simcompare.model.trajectory import Array
@@ -24,7 +24,11 @@ PRESSURE_EXPONENT = 9.80665 * 0.0289644 / (8.314462618 * LAPSE_K_M)
 
 
 def complete(
-    scenario: Scenario, time_s: Array, signals: dict[str, Array], inputs: Mapping[str, Array]
+    scenario: Scenario,
+    time_s: Array,
+    signals: dict[str, Array],
+    inputs: Mapping[str, Array],
+    owner: str | None = None,
 ) -> None:
     """Adds what follows from the motion and is not among the signals yet.
 
@@ -36,13 +40,15 @@ def complete(
         time_s: sample times (n,), evenly spaced.
         signals: what a source recorded; is added to.
         inputs: values of the inputs at these times.
+        owner: the body, actuator or sensor of which the signals are asked for; ``None``: all.
     """
     if _has_motion(scenario, signals):
-        add_children(scenario, signals, len(time_s))
+        add_children(scenario, signals, len(time_s), _bodies_for(scenario, owner))
     for name in scenario.actuators:
-        _add_actuator(scenario, name, time_s, signals, inputs)
+        if owner in (None, name):
+            _add_actuator(scenario, name, time_s, signals, inputs)
     for name, sensor in scenario.sensors.items():
-        if not _sees(scenario, sensor, signals):
+        if owner not in (None, name) or not _sees(scenario, sensor, signals):
             continue
         for part in SENSOR_SIGNALS[sensor.type]:
             if f"{name}.{part}" not in signals:
@@ -76,6 +82,15 @@ def acceleration_of(values: Array, time_s: Array) -> Array:
         found[0] = 3 * found[1] - 3 * found[2] + found[3]
         found[-1] = 3 * found[-2] - 3 * found[-3] + found[-4]
     return np.asarray(found / step_s**2, dtype=float)
+
+
+def _bodies_for(scenario: Scenario, owner: str | None) -> set[str] | None:
+    """Bodies whose motion the signals of an owner need; ``None``: all."""
+    if owner is None:
+        return None
+    sensor = scenario.sensors.get(owner)
+    body = owner if sensor is None else sensor.body
+    return set() if body is None else carriers(scenario, body)
 
 
 def _has_motion(scenario: Scenario, signals: Mapping[str, Array]) -> bool:

@@ -17,11 +17,12 @@ from simcompare.engine.helps import HELPS
 from simcompare.engine.readings import Readings
 from simcompare.engine.sensing import complete
 from simcompare.engine.short_turns import note_of_turns, refuse_slowed
+from simcompare.engine.stateful import RECENT, Seen
 from simcompare.errors import InputError
 from simcompare.model.scenario import SENSOR_SIGNALS, Scenario
 from simcompare.model.trajectory import Array, Trajectory
 
-#: called as controller(time_s, readings) before each recorded step; returns inputs by name
+#: called as controller(time_s, readings) before recorded steps; returns inputs by name
 Controller = Callable[[float, Readings], Mapping[str, float]]
 
 
@@ -30,18 +31,20 @@ class Simulation(HelpedSimulation):
 
     # --- the stepping form --------------------------------------------------------------------
 
-    def step(self, inputs: Mapping[str, float] | None = None) -> None:
-        """Advances by one recorded step.
+    def step(self, inputs: Mapping[str, float] | None = None, count: int = 1) -> None:
+        """Advances by recorded steps.
 
         Args:
-            inputs: values of inputs during this step; those left out follow their signals.
+            inputs: values of inputs during these steps; those left out have that of their signals
+                now. ``None``: all follow their signals.
+            count: number of recorded steps, in one native call where the engine has one.
 
         Raises:
             InputError: values that are not finite numbers, or no mapping.
             UnknownName: an input that the scenario does not have.
         """
         self.ensure_open()
-        self._take_step(checked_inputs(self.scenario, self.time_s, inputs))
+        self._take_steps(checked_inputs(self.scenario, self.time_s, inputs), count)
 
     def read(self) -> Readings:
         """Every signal now, as a controller sees it.
@@ -52,48 +55,50 @@ class Simulation(HelpedSimulation):
         """
         self.ensure_open()
         if not self._recent:
-            self._remember(self._row_now(), {})
-        times = np.array([time for time, _, _ in self._recent])
-        rows = np.array([row for _, row, _ in self._recent], dtype=float)
+            self._recent.append((self.time_s, self._row_now(), {}))
+        recent = (*self._recent,)
+        return Readings(lambda owner: self._seen(recent, owner))
+
+    def _seen(self, recent: Sequence[Seen], owner: str | None) -> dict[str, Array]:
+        """Signals of one owner at the last of some samples, ``None``: of all owners."""
+        moves = owner in self._free or owner in self._joints
+        if moves:  # held by the engine itself, at that sample
+            row = np.array([recent[-1][1]], dtype=float)
+            return self.motions(row[:, : row.shape[1] - self._force_columns])
+        times = np.array([time for time, _, _ in recent])
+        rows = np.array([row for _, row, _ in recent], dtype=float)
         inputs = {
             name: np.array([held.get(name, value) for (_, _, held), value in zip(
-                self._recent, values.tolist(), strict=True)])
+                recent, values.tolist(), strict=True)])
             for name, values in input_values(self.scenario, times).items()
         }  # fmt: skip
-        signals = self.signals(rows, times, inputs, lagging=False)
-        return Readings(
-            (name, float(values[-1]) if values.ndim == 1 else tuple(values[-1].tolist()))
-            for name, values in signals.items()
-        )
+        return self.signals(rows, times, inputs, lagging=False, owner=owner)
 
-    def _take_step(self, inputs: dict[str, float] | None) -> Sequence[float]:
-        """One recorded step and its row."""
+    def _take_steps(
+        self, inputs: dict[str, float] | None, count: int
+    ) -> Sequence[Sequence[float]] | Array:
+        """Some recorded steps with the same inputs, and their rows."""
         if self._drive is not None:
             self._drive.hold(inputs)
-        if self._landing is None:
-            self._stagger_start()
-            row: Sequence[float] = self.record(1)[0]
-        elif self._landing.free_steps(self) >= 1:
-            self.use_step(self._whole_step_s, frozenset())
-            self.advance(1)
-            row = self.row()
-        else:
-            self._landing.step(self)
-            row = self.row()
-        self._count += 1
+        first = self._count + 1
+        rows = np.concatenate(blocks) if len(blocks := self._record_all(count)) > 1 else blocks[0]
         self.check()
-        self._remember(row, inputs or {})
-        return row
+        for k in range(max(0, count - RECENT), count):
+            self._recent.append((self._time_of(first + k), rows[k], inputs or {}))
+        return rows
 
     def _row_now(self) -> Sequence[float]:
         return (*self.row(), *[0.0] * self._force_columns)
 
-    def _remember(self, row: Sequence[float], inputs: dict[str, float]) -> None:
-        self._recent.append((self.time_s, row, inputs))
-
     # --- the whole run ------------------------------------------------------------------------
 
-    def run(self, source: str, version: str, controller: Controller | None = None) -> Trajectory:
+    def run(
+        self,
+        source: str,
+        version: str,
+        controller: Controller | None = None,
+        every: int = 1,
+    ) -> Trajectory:
         """Records the scenario from its start to its end.
 
         Args:
@@ -101,6 +106,7 @@ class Simulation(HelpedSimulation):
             version: its version.
             controller: gives the inputs of each recorded step; without one they follow the
                 scenario's signals.
+            every: it is asked once in so many recorded steps, and what it gave is held.
         """
         self.ensure_open()
         if self._count:
@@ -115,7 +121,7 @@ class Simulation(HelpedSimulation):
         if controller is None:
             blocks += self._record_all(len(times) - 1)
         else:
-            blocks.append(self._controlled(len(times) - 1, controller, inputs))
+            blocks.append(self._controlled(len(times) - 1, controller, every, inputs))
         if self._force_sensors and not self._forces_at_end:
             # the forces at the last sample are those of a step that begins there
             end = self.save()
@@ -164,18 +170,18 @@ class Simulation(HelpedSimulation):
         return blocks
 
     def _controlled(
-        self, count: int, controller: Controller, inputs: dict[str, Array]
+        self, count: int, controller: Controller, every: int, inputs: dict[str, Array]
     ) -> list[Sequence[float]]:
         """Steps with a controller in the loop; writes what it gave into the recorded inputs."""
-        rows = []
-        for k in range(count):
+        rows: list[Sequence[float]] = []
+        for k in range(0, count, every):
             given = self._asked(controller)
-            for name, value in (given or {}).items():
+            for name, value in given.items():
                 inputs[name][k:] = value
-            rows.append(self._take_step(given))
+            rows.extend(self._take_steps(given, min(every, count - k)))
         return rows
 
-    def _asked(self, controller: Controller) -> dict[str, float] | None:
+    def _asked(self, controller: Controller) -> dict[str, float]:
         """What a controller gives now; what it raises goes on as it is, with engine and time."""
         try:
             answer = controller(self.time_s, self.read())
@@ -184,13 +190,19 @@ class Simulation(HelpedSimulation):
                     f"inputs at t = {self.time_s:g} s",
                     ["the controller returned nothing; expected a mapping of input -> number"],
                 )
-            return checked_inputs(self.scenario, self.time_s, answer)
+            return checked_inputs(self.scenario, self.time_s, answer) or {}
         except Exception as error:
             error.add_note(f"the controller ran on {self.scene.engine} at t = {self.time_s:g} s")
             raise
 
     def signals(
-        self, rows: Array, time_s: Array, inputs: Mapping[str, Array], *, lagging: bool = True
+        self,
+        rows: Array,
+        time_s: Array,
+        inputs: Mapping[str, Array],
+        *,
+        lagging: bool = True,
+        owner: str | None = None,
     ) -> dict[str, Array]:
         """Every signal of a trajectory from the rows of an engine.
 
@@ -199,6 +211,7 @@ class Simulation(HelpedSimulation):
             time_s: sample times (n,).
             inputs: values of the inputs at these times.
             lagging: whether each row holds the forces of the sample before it, as in a whole run.
+            owner: the body, joint, actuator or sensor that is asked for; ``None``: all.
         """
         count = len(time_s)
         width = rows.shape[1] - self._force_columns
@@ -215,7 +228,7 @@ class Simulation(HelpedSimulation):
                 block[0] = first[column : column + size]
             found[f"{name}.{part}"] = block if size > 1 else block[:, 0].copy()
             column += size
-        complete(self.scenario, time_s, found, inputs)
+        complete(self.scenario, time_s, found, inputs, owner)
         return found
 
 

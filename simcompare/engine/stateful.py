@@ -22,6 +22,8 @@ from simcompare.model.trajectory import BODY_SIGNALS, Array
 
 #: recorded steps from which rates are taken for a controller's readings
 RECENT = 5
+#: time [s], row and held inputs of a recorded sample
+Seen = tuple[float, Sequence[float], dict[str, float]]
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Saved:
     step_s: float
     drive: tuple[int, tuple[float, ...] | None] | None
     recoil: object
-    recent: Sequence[tuple[float, Sequence[float], dict[str, float]]]
+    recent: Sequence[Seen]
 
 
 class StatefulMotion(FreeMotion):
@@ -72,7 +74,7 @@ class StatefulMotion(FreeMotion):
         self._drive: Drive | None = None
         self._landing: Landing | None = None
         self._whole_step_s = self.scenario.world.engine_step_s
-        self._recent: deque[tuple[float, Sequence[float], dict[str, float]]] = deque(maxlen=RECENT)
+        self._recent: deque[Seen] = deque(maxlen=RECENT)
 
     def release(self) -> None:
         """Releases what the engine holds."""
@@ -95,7 +97,10 @@ class StatefulMotion(FreeMotion):
     @property
     def time_s(self) -> float:
         """Time since the scenario's start [s]."""
-        return self._count * self.scenario.world.step_s
+        return self._time_of(self._count)
+
+    def _time_of(self, count: int) -> float:
+        return count * self.scenario.world.step_s
 
     @property
     def step_s(self) -> float:

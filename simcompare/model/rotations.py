@@ -10,6 +10,8 @@ import numpy as np
 from simcompare.model.shapes import Quaternion
 from simcompare.model.trajectory import Array
 
+_YZX, _ZXY = np.array((1, 2, 0)), np.array((2, 0, 1))
+
 
 def quaternions_of(rotation_vectors_rad: Array) -> Array:
     """Unit quaternions wxyz (n, 4) of rotation vectors (n, 3) [rad]."""
@@ -28,9 +30,9 @@ def rotation_vector_of(orientation_wxyz: Sequence[float]) -> Array:
 
 
 def cross(first: Array, second: Array) -> Array:
-    """Cross products (n, 3) of vectors (n, 3); three times as fast as numpy's own for few rows."""
-    ahead = first[..., [1, 2, 0]] * second[..., [2, 0, 1]]
-    behind = first[..., [2, 0, 1]] * second[..., [1, 2, 0]]
+    """Cross products (n, 3) of vectors (n, 3); many times as fast as numpy's own for few rows."""
+    ahead = first.take(_YZX, -1) * second.take(_ZXY, -1)
+    behind = first.take(_ZXY, -1) * second.take(_YZX, -1)
     return np.asarray(ahead - behind, dtype=float)
 
 

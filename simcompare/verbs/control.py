@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Mapping
 from pathlib import Path
 
+from simcompare import units
 from simcompare.arguments import checked
 from simcompare.comparison.repeats import check_sample_step, one_step_s
 from simcompare.engine import engines
@@ -26,6 +27,7 @@ def control(
     set: Mapping[str, str | float] | None = None,
     preset: str | None = None,
     step: str | float | None = None,
+    every: str | float | None = None,
 ) -> Controlled:
     """Runs a scenario on one engine with a controller in the loop.
 
@@ -39,21 +41,23 @@ def control(
         scenario: name, folder or file.
         controller: called as ``controller(time_s, readings)`` before each recorded step.
             ``readings`` has every signal by name, a number or a tuple of its components, such as
-            ``readings["chassis.velocity_m_s"]``; it returns values of inputs by name, and those
-            that it leaves out follow the scenario's signals. A controller that remembers something
-            is made anew for each run.
+            ``readings["chassis.velocity_m_s"]``; what is not asked for costs nothing. It returns
+            values of inputs by name, and those that it leaves out follow the scenario's signals. A
+            controller that remembers something is made anew for each run.
         engine: name of the engine.
         contact: contact level.
         set: parameters that differ from the file; text may carry a unit.
         preset: named set of parameters, applied first.
         step: time between samples, "1ms" or in seconds.
+        every: time between two calls of the controller, "20ms" or in seconds; what it gave is held.
+            By default it is called before each recorded step.
 
     Returns:
         The trajectory; what the controller gave is recorded by the actuators.
 
     Raises:
         InputError: the controller does not take time and readings, or it returned something else
-            than finite numbers by name.
+            than finite numbers by name; ``every`` is no whole number of steps.
         NoSuchReading: it asked for a reading that there is not; also a KeyError.
         UnknownName: it set an input that the scenario does not have, or there is no such level.
         Unsupported: the engine lacks what the scenario needs.
@@ -68,14 +72,29 @@ def control(
     if step is not None and step_s is not None:
         check_sample_step(file.resolve(values, preset=preset), step, step_s)
     scene = file.resolve(values, preset=preset, step_s=step_s)
+    held = 1 if every is None else _steps_between(every, scene.world.step_s)
     backend = engines.get(engine)
     simulation = backend.open(scene, Settings(contact))
     try:
-        found = simulation.run(engine, backend.version(), controller)
+        found = simulation.run(engine, backend.version(), controller, held)
     finally:
         simulation.close()
-    held = {**vars(found), "contact": contact}
-    return Controlled(**held, title=scene.title, probes=scene.probes)
+    recorded = {**vars(found), "contact": contact}
+    return Controlled(**recorded, title=scene.title, probes=scene.probes)
+
+
+def _steps_between(every: str | float, step_s: float) -> int:
+    """How many recorded steps lie between two calls of a controller."""
+    every_s = units.to_si(every, "s", "every")
+    count = round(every_s / step_s)
+    # a time that is typed with a few digits is as good as a multiple
+    if count < 1 or abs(every_s - count * step_s) > 1e-6 * every_s:
+        raise InputError(
+            "every",
+            [f"{every} is no whole number of recorded steps of {step_s:g} s; expected such as"
+             f" {max(count, 1) * step_s:g}"],
+        )  # fmt: skip
+    return count
 
 
 def _check_called(controller: Controller) -> None:
