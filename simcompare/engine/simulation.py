@@ -57,9 +57,9 @@ class Simulation(HelpedSimulation):
         if not self._recent:
             self._recent.append((self.time_s, self._row_now(), {}))
         recent = (*self._recent,)
-        return Readings(lambda owner: self._seen(recent, owner))
+        return Readings(lambda owner: self._signals_seen(recent, owner))
 
-    def _seen(self, recent: Sequence[Seen], owner: str | None) -> dict[str, Array]:
+    def _signals_seen(self, recent: Sequence[Seen], owner: str | None) -> dict[str, Array]:
         """Signals of one owner at the last of some samples, ``None``: of all owners."""
         moves = owner in self._free or owner in self._joints
         if moves:  # held by the engine itself, at that sample
