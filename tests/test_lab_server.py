@@ -1,6 +1,7 @@
 """The lab's server, asked as a browser asks it; a stand-in does the jobs."""
 
 import json
+from urllib.parse import quote
 
 import pytest
 
@@ -54,6 +55,19 @@ def sent(client, content, **query):
 
 def files_below(folder):
     return {path for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("name", ["Anna/Ben", "3/4", "Zoë & <b>Ötzi</b>", "100 %", "a?b#c"])
+def test_whatever_a_group_is_called_it_finds_what_it_has(client, folder, name):
+    path = quote(name, safe="")
+    told = asked(client, name, scenario="ball")
+    heard = client.post("/api/recordings", params={"group": name}, content=WAV).json()
+    listing = client.get(f"/api/groups/{path}").json()
+    assert listing["name"] == name
+    assert client.get(f"/api/results/{path}/{told['id']}").json() == told
+    assert client.get(f"/api/recordings/{path}/{heard['id']}").json() == heard
+    (folder / listing["key"] / "files" / "ball.py").write_text("1", encoding="utf-8")
+    assert client.get(f"/files/{path}/ball.py").text == "1"
 
 
 def test_a_job_is_done_and_its_result_is_kept(client):

@@ -245,11 +245,12 @@ def _open(lab: Lab) -> dict[str, object]:
     return {"open": lab.queue.is_open, "waiting": lab.queue.waiting}
 
 
+#: the name of a group may hold a slash: it is no path, only its hash names a folder
 _ROUTES = [
     Route("/", _page),
     Route("/teacher", _teacher_page),
     Route("/static/{name}", _static),
-    Route("/files/{group}/{name}", _file),
+    Route("/files/{group:path}/{name}", _file),
     Route("/api/scenarios", _scenarios),
     Route("/api/scenarios/{name}", _scenario),
     Route("/api/jobs", _add_job, methods=["POST"]),
@@ -257,9 +258,9 @@ _ROUTES = [
     Route("/api/jobs/{id}", _withdraw, methods=["DELETE"]),
     Route("/api/recordings", _add_recording, methods=["POST"]),
     Route("/api/recordings/{id}/scale", _scale, methods=["POST"]),
-    Route("/api/recordings/{group}/{id}", _recording),
-    Route("/api/groups/{group}", _group),
-    Route("/api/results/{group}/{id}", _result),
+    Route("/api/recordings/{group:path}/{id}", _recording),
+    Route("/api/groups/{group:path}", _group),
+    Route("/api/results/{group:path}/{id}", _result),
     Route("/api/share", _share),
     Route("/api/teacher", _teacher),
     Route("/api/teacher/queue", _teacher_queue, methods=["POST"]),
