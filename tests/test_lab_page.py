@@ -131,6 +131,28 @@ def test_the_expert_makes_an_engine_bounce_by_its_own_value(page: Page) -> None:
     page.click("#expert")
 
 
+def test_a_published_ball_is_held_against_and_fitted(page: Page, address: str) -> None:
+    _begin(page, address)
+    page.put("#published", "itf_tennis_rebound")
+    page.until("() => document.querySelector('#scores').innerText.includes('1.35 to 1.47 m')")
+    assert "International Tennis Federation" in page.text("#published-text")
+    assert _value(page, 0) == 2.54
+    page.click("#expert")
+    details = f"#contact-values details:has(input[value={FAST}])"
+    page.click(f"{details} summary")
+    page.put(f"{details} input[type=number]", "0.5")
+    page.click("#fit-for-me")
+    page.until("() => document.querySelector('#hand-result table')")
+    # as high as the centre of the rule: e = √(1.41/2.54)
+    assert page.ask(
+        f"() => document.querySelector('{details} input[type=number]').valueAsNumber"
+    ) == (pytest.approx((1.41 / 2.54) ** 0.5, abs=0.002))
+    page.click("#expert")
+    # who lets it fall from elsewhere is not held against it
+    page.put("#parameters input[type=number]", "1")
+    page.until("() => !document.querySelector('#scores').innerText.includes('published')")
+
+
 def test_no_engine_is_said_in_words(page: Page) -> None:
     page.click(f"#engines input[value={FAST}]")
     page.until("() => document.querySelector('#drop-faults').innerText.includes('at least one')")

@@ -11,6 +11,7 @@ from typing import Any
 
 from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.recordings import published
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.scenarios import catalogue
 
@@ -121,6 +122,16 @@ class Asked:
         if name is None:
             return None
         return self._part("recordings", name)
+
+    def published(self) -> str | None:
+        """The name of published bounces; ``None`` where none are named.
+
+        Raises:
+            UnknownName: there are none of that name.
+        """
+        if self.request.get("published") is None:
+            return None
+        return self.one_of("published", [*published.tables()])
 
     def result(self) -> Path | None:
         """The folder of a result; ``None`` where none is named."""

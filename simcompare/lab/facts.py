@@ -9,6 +9,7 @@ from simcompare import glossary
 from simcompare.engine import by_hand, engines
 from simcompare.engine.contacts import touching_pairs
 from simcompare.errors import SimcompareError
+from simcompare.lab import published
 from simcompare.model.plain import Plain
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.scenarios import catalogue
@@ -45,6 +46,7 @@ def scenario(name: str, language: str) -> Plain:
             for level in CONTACT_LEVELS
         ],
         "engines": [_engine(key, shown, bounces=bounces) for key in shown.engines],
+        "published": published.of_scenario(file),
         "can_fit": file.fit is not None and file.fit.by == "bounces",
     }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from simcompare.engine import by_hand
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import reading
 from simcompare.fitting.bounces.bounce_models import GRAVITY
-from simcompare.lab import kept, progress, recordings, runs, scores
+from simcompare.lab import kept, progress, published, recordings, runs, scores
 from simcompare.lab.asked import Asked
 from simcompare.lab.numbers import shortened
 from simcompare.model.plain import Plain
@@ -35,17 +36,15 @@ FITS, _LIMIT_S = "fits", 60.0
 
 
 def fit(asked: Asked) -> Plain:
-    """Fits engines to a recording, and runs them with what was found.
+    """Fits engines to a recording or to published bounces, and runs them with what was found.
 
     Raises:
         SimcompareError: nothing bounces in the recording, or it cannot be fitted.
     """
-    place, scenario, engines = asked.recording(), asked.scenario(), asked.engines()
-    if place is None:
-        raise InputError("recording", ["none is chosen; record a ball, or send a file"])
+    scenario, engines = asked.scenario(), asked.engines()
     made = asked.folder() / FITS / asked.text("id")
     progress.tell(0.1)
-    with kept.fittable(place, asked.struck()) as file:
+    with _source(asked) as file:
         drop = recordings.drop(reading.drops_of(file, None, None, GRAVITY)[0])
         result = fit_to(
             scenario, recordings=file, engine=engines, out=made.parent / f"{made.name}.new",
@@ -75,6 +74,16 @@ def fit(asked: Asked) -> Plain:
         "files": [_values_file(asked, found, values)],
         **after,
     }
+
+
+def _source(asked: Asked) -> AbstractContextManager[Path]:
+    """What is fitted to."""
+    name, place = asked.published(), asked.recording()
+    if name is not None:
+        return nullcontext(published.path_of(name))
+    if place is None:
+        raise InputError("recording", ["none is chosen; record a ball, or send a file"])
+    return kept.fittable(place, asked.struck())
 
 
 def file_of(asked: Asked) -> Path | None:

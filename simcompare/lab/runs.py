@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from simcompare.errors import InputError
-from simcompare.lab import kept, scores
+from simcompare.lab import kept, published, scores
 from simcompare.lab.asked import Asked
 from simcompare.lab.numbers import listed
 from simcompare.model.plain import Plain
@@ -44,6 +44,7 @@ def run(asked: Asked) -> Plain:
         contact=levels or BY_HAND,
         set=asked.parameters(),
         own=own or None,
+        against=asked.published(),
         seeds=1 if _is_dithered(scenario) else None,
         time_limit_s=_LIMIT_S,
     )
@@ -51,7 +52,9 @@ def run(asked: Asked) -> Plain:
 
 
 def _scores(asked: Asked, result: Run) -> list[Plain]:
-    """Against the bounces that were recorded, where there are some; else against the truth."""
+    """Against published bounces or those that were recorded, if any; else against the truth."""
+    if asked.published() is not None:
+        return published.scores(result, asked.text("language", "en"))
     place = asked.recording()
     drop = None if place is None else kept.drop_of(place)
     return scores.of_truth(result) if drop is None else scores.of_recording(result, drop)

@@ -93,7 +93,7 @@ def _run_of(asked: Asked, place: Path) -> Run:
     levels, own = then.levels(), then.own()
     return simulate(
         then.scenario(), engine=then.engines(), contact=levels or (BY_HAND if own else DEFAULT),
-        set=then.parameters(), own=own or None, time_limit_s=_LIMIT_S,
+        set=then.parameters(), own=own or None, against=then.published(), time_limit_s=_LIMIT_S,
     )  # fmt: skip
 
 

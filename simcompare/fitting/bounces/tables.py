@@ -27,7 +27,7 @@ from simcompare.model.trajectory import Array
 #: quantities of a table, and their units
 _KNOWN = {"restitution": "1", HEIGHT: "m", INSTANT: "s", INTERVAL: "s", "impact_speed": "m/s"}
 #: what a fit is made from, the first that a table holds
-_USED = (INSTANT, INTERVAL, HEIGHT)
+USED = (INSTANT, INTERVAL, HEIGHT)
 #: by how many u a number may be above what it cannot exceed
 _FAR = 4.0
 #: standard uncertainty of a drop height without a stated one [m]
@@ -53,7 +53,7 @@ def check_headings(path: Path) -> None:
     if not lines or len(counted) < len(lines) or counted[0] not in (0, 1):
         return
     if len(counted) <= MAX_COUNT and np.all(np.diff(np.array(counted)) == 1):
-        known = ", ".join(f"{name}{units.suffix_for(_KNOWN[name])}" for name in _USED)
+        known = ", ".join(f"{name}{units.suffix_for(_KNOWN[name])}" for name in USED)
         raise InputError(path.name, [
             "has no headings. If each row is a bounce, write what the columns hold above them,"
             f" such as 'bounce{separator}interval_s'; known are bounce, {known}"
@@ -84,10 +84,10 @@ def read(path: Path, u_s: float | None = None) -> Impacts:
     table = bounce_table.read(path, _KNOWN)
     _check_numbers(table)
     held = {quantity.name for quantity in table.quantities}
-    used = next((name for name in _USED if name in held), None)
+    used = next((name for name in USED if name in held), None)
     if used is None:
         raise InputError(path.name, [f"holds {', '.join(sorted(held))}, but none of"
-                                     f" {', '.join(_USED)}; a fit needs one of these"])  # fmt: skip
+                                     f" {', '.join(USED)}; a fit needs one of these"])  # fmt: skip
     if used == HEIGHT:
         if u_s is not None:
             text = "is of times, but the table holds heights; state theirs in u_rebound_height"

@@ -2,6 +2,7 @@
 import { Choices } from "/static/choices.js";
 import { Latest, settled } from "/static/latest.js";
 import { byId, links, say, table, tick } from "/static/parts.js";
+import { Published } from "/static/published.js";
 import { BY_HAND, curves } from "/static/pictures.js";
 import { get, job, Refused } from "/static/server.js";
 import { words } from "/static/words.js";
@@ -22,6 +23,7 @@ export class Drop {
       sketch();
       whole();
     });
+    this.published = new Published(this.choices, whole);
     byId("controls").addEventListener("submit", (event) => {
       event.preventDefault();
       performance.mark("changed");
@@ -47,6 +49,7 @@ export class Drop {
       byId("go").textContent = words(scenario.parameters.some((one) => one.name.startsWith("drop_")) ? "drop.go" : "drop.go_other");
       this.isSame = false;
       this.choices.show(scenario);
+      this.published.show(scenario.published);
       if (preset) this.choices.preset(preset);
       this.address();
       say(byId("drop-faults"), []);
@@ -70,7 +73,13 @@ export class Drop {
     if (isPart) Object.assign(wish, isHand ? { levels: [] } : { levels: [this.level], contact: {} });
     if (!wish.engines.length) say(byId("drop-faults"), [words("drop.no_engine")]);
     else if (!wish.levels.length && !Object.keys(wish.contact).length) say(byId("drop-faults"), [words("drop.no_level")]);
-    else this.latest.ask({ job: { kind: "run", group: this.group(), ...wish, ...(this.recording ? { recording: this.recording } : {}) }, isPlayed, isPart });
+    else this.latest.ask({ job: { kind: "run", group: this.group(), ...wish, ...this.beside }, isPlayed, isPart });
+  }
+  /** What the engines are held against: a published ball, or one that was recorded. */
+  get beside() {
+    const published = this.published.chosen;
+    if (published) return { published: published.name };
+    return this.recording ? { recording: this.recording } : {};
   }
   async run(wish) {
     document.body.setAttribute("aria-busy", "true");
@@ -93,8 +102,8 @@ export class Drop {
     byId("answer").textContent = result.sentence;
     this.tabs([...new Set(result.curves.map((one) => one.level).filter(Boolean))]);
     await this.draw(result);
-    byId("scores").replaceChildren(...this.tables(result));
     this.offer(asked);
+    byId("scores").replaceChildren(...this.tables(result));
     if (isPlayed && result.replay && !this.replay.playing) this.replay.toggle();
   }
   async draw(result) {
@@ -128,8 +137,8 @@ export class Drop {
     return curves(byId("curve"), this.result, level);
   }
   tables({ table: values, scores }) {
-    const found = [];
-    if (this.recording && scores?.length) found.push(table({ title: words("drop.scores_own"), head: [words("drop.engine"), words("drop.level"), words("drop.score")], rows: scores.map((one) => [one.source, one.level, one.text]) }));
+    const found = [], { published, recording } = this.asked ?? {};
+    if ((published || recording) && scores?.length) found.push(table({ title: words(published ? "drop.scores_published" : "drop.scores_own"), head: [words("drop.engine"), words("drop.level"), words("drop.score")], rows: scores.map((one) => [one.source, one.level, one.text]) }));
     if (values?.rows?.length) found.push(table(values));
     return found;
   }

@@ -86,6 +86,7 @@ export class Real {
     this.state([...notes, ...(frame ? [] : [words("real.heard", { count: impacts.length })]), ...(recording.notes ?? [])].join(" "));
     if (!impacts.length) return;
     this.drop.recording = recording.id;
+    this.drop.published.choose("");
     await this.waveform.show(recording);
     this.tell(recording.drop?.middle);
   }
@@ -100,13 +101,14 @@ export class Real {
     const ratios = spans.slice(1).map((one, i) => one / spans[i]).sort((a, b) => a - b);
     return (ratios[Math.floor((ratios.length - 1) / 2)] + ratios[Math.ceil((ratios.length - 1) / 2)]) / 2;
   }
-  async fit() {
+  async fit(published = null) {
     this.state(words("real.fitting"));
     const { engines, contact, scenario } = this.drop.choices.wish, group = this.group();
-    const asked = { group, recording: this.recording.id, scenario, engines, contact, struck: [...this.waveform.struck] };
+    const source = published ? { published: published.name } : { recording: this.recording.id, struck: [...this.waveform.struck] };
+    const asked = { group, scenario, engines, contact, ...source };
     const result = await job({ ...asked, kind: "fit" }, ({ progress }) => this.state(words("real.fitting_part", { percent: Math.round(100 * (progress ?? 0)) })));
     this.state("");
-    await this.fitted(result, asked);
+    await (published ? this.seen(result, asked) : this.fitted(result, asked));
     return result;
   }
   async fitted(result, asked) {
@@ -118,6 +120,9 @@ export class Real {
     byId("student").replaceChildren(...studentTable(result.student));
     byId("files").replaceChildren(...links(asked.group, result.files));
     byId("home").replaceChildren(...["script", "report"].map((kind) => this.home(kind, { ...asked, kind, result: result.id })));
+    await this.seen(result, asked);
+  }
+  async seen(result, asked) {
     this.drop.choices.take(result.parameters);
     this.drop.level = result.engines[0]?.level ?? "";
     await this.drop.show({ ...result, scores: [] }, { isPlayed: false, job: { ...asked, result: result.id, parameters: result.parameters } });
@@ -151,12 +156,14 @@ export class Real {
   /** Fits to the recording, and tells how far the student's hand was. */
   fitForMe() {
     const box = byId("hand-result");
-    if (!this.drop.recording) box.replaceChildren(words("hand.no_recording"));
+    const published = this.drop.published.chosen;
+    if (!this.drop.recording && !published) box.replaceChildren(words("hand.no_recording"));
     else if (!Object.keys(this.drop.choices.contact).length) box.replaceChildren(words("hand.no_hand"));
     else this.try(async () => {
       box.replaceChildren(words("real.fitting"));
-      const result = await this.fit();
+      const result = await this.fit(published);
       box.replaceChildren(...studentTable(result.student));
+      say(byId("drop-faults"), result.missing ?? []);
       result.engines.forEach((one) => this.drop.choices.takeOver(one.name, one.values));
     });
   }
