@@ -53,6 +53,11 @@ def run(
         help="Run an engine with a contact value of its own, such as pymunk.elasticity=0.9.",
         autocompletion=complete.own_values,
     ),
+    robot: Path = typer.Option(
+        None,
+        metavar="FILE",
+        help="File of a robot, from which parameters follow (simcompare robot --template).",
+    ),
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
     step: str = typer.Option(
         None,
@@ -90,7 +95,7 @@ def run(
     asked: Plain = {
         "engine": engine, "contact": contact, "assist": assist, "judge": judge,
         "set": console.pairs(settings), "own": console.pairs(own, "--own", _OWN),
-        "preset": preset, "step": step, "seeds": seeds, "against": against,
+        "robot": robot, "preset": preset, "step": step, "seeds": seeds, "against": against,
         "sensor": _sheets(sensor), "seed": seed,
     }  # fmt: skip
     if resume is not None:

@@ -76,6 +76,7 @@ class RunRequest(Request):
     assist: Annotated[tuple[str, ...], Option("--assist", commas=True)] = (ALL,)
     judge: Annotated[tuple[str, ...], Option("--judge", commas=True)] = (ASSISTED,)
     own: Annotated[Values, Option("--own")] = None
+    robot: Annotated[Place | None, Option("--robot")] = None
     preset: Annotated[str | None, Option("--preset")] = None
     seeds: Annotated[int | None, Option("--seeds")] = None
     against: Annotated[Place | None, Option("--against")] = None

@@ -34,6 +34,7 @@ def run(
     judge: str | Sequence[str] = ASSISTED,
     set: Mapping[str, str | float] | None = None,
     own: Mapping[str, str | float] | None = None,
+    robot: str | Path | None = None,
     preset: str | None = None,
     step: str | float | Sequence[str | float] | None = None,
     seeds: int | None = None,
@@ -64,6 +65,8 @@ def run(
         set: parameters that differ from the file; text may carry a unit ("30cm").
         own: an engine's own contact values for a bounce, such as ``{"pymunk.elasticity": 0.9}``;
             with them the engine runs once more, at the level "by hand".
+        robot: file of a robot (``simcompare robot --template``), from which those parameters follow
+            that the scenario has; applied after ``preset`` and before ``set``.
         preset: named set of parameters, applied first.
         step: the engine's step, "1ms" or in seconds; samples may be coarser. Of several, as a list
             or a text with commas, each makes a source of its own, such as "pymunk@2ms".
@@ -87,7 +90,8 @@ def run(
     """
     request = request_of(
         scenario, engine=engine, contact=contact, assist=assist, judge=judge, set=set,
-        own=own, preset=preset, step=step, seeds=seeds, against=against, sensor=sensor, seed=seed,
+        own=own, robot=robot, preset=preset, step=step, seeds=seeds, against=against,
+        sensor=sensor, seed=seed,
     )  # fmt: skip
     plan = planned(request, trust=trust)
     if out is not None:

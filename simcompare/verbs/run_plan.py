@@ -22,7 +22,7 @@ from simcompare.results import sensing
 from simcompare.running.jobs import Job, Outcome
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
-from simcompare.verbs import levels
+from simcompare.verbs import levels, robot_values
 from simcompare.verbs.request import RunRequest
 
 if TYPE_CHECKING:
@@ -86,7 +86,11 @@ def planned(request: RunRequest, *, trust: bool = False) -> RunPlan:
     judged = levels.judged_levels(request.judge, fit)
     file = catalogue.load(request.scenario, trust=trust)
     table = _table(file, request.against)
-    values = {**({} if fit is None else fit.base(file)), **file.read_settings(request.set or {})}
+    values = {
+        **({} if fit is None else fit.base(file)),
+        **robot_values.of_file(file, request.robot),
+        **file.read_settings(request.set or {}),
+    }
     preset = request.preset
     if table is not None:
         values, preset = with_conditions(file, table, values, preset)

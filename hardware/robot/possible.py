@@ -1,0 +1,172 @@
+"""Whether a robot can be built as its file says: values, places, balance and wires, all at once."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+
+from pydantic import BaseModel
+
+from simcompare.hardware.robot.built import Placed, body_of, placed
+from simcompare.hardware.robot.description import Bought, Drive, Robot
+from simcompare.hardware.robot.solids import Solid
+from simcompare.hardware.robot.wiring import wiring_faults
+
+#: parts that touch may overlap by so much [m]: rounding of what was written
+TOUCHING_M = 1e-9
+#: how far beside the middle the centre of mass may be [m]: what a calliper tells
+BESIDE_M = 1e-4
+#: numbers that may be 0, or have either sign
+_ANY = ("position_m", "price")
+
+
+def faults(robot: Robot) -> dict[str, str]:
+    """What of a robot cannot be, as place in its file -> sentence."""
+    wrong = {**_values(robot), **_sources(robot), **_sizes(robot), **wiring_faults(robot)}
+    if wrong:
+        return wrong
+    return dict(_collisions(placed(robot))) or dict(_balance(robot))
+
+
+def _values(robot: Robot) -> dict[str, str]:
+    """Masses, sizes and constants that nothing has."""
+    found: dict[str, str] = {}
+    for place, name, value in _numbers(robot, ""):
+        if name.startswith("rotor_"):
+            if value < 0:
+                found[place] = f"expected a number of at least 0, found {value:g}"
+        elif name not in _ANY and not value > 0:
+            found[place] = f"expected a number greater than 0, found {value:g}"
+    if robot.motor.drive.efficiency > 1:
+        found["motor.drive.efficiency"] = (
+            f"expected at most 1, found {robot.motor.drive.efficiency:g}: no gear gives more"
+            " than it takes"
+        )
+    return found
+
+
+def _numbers(part: BaseModel, place: str) -> Iterator[tuple[str, str, float]]:
+    """Every number of a part: its place, its name and its value."""
+    for name, value in part:
+        where = f"{place}.{name}" if place else name
+        if isinstance(value, BaseModel):
+            yield from _numbers(value, where)
+        elif isinstance(value, Mapping):
+            for key, inner in value.items():
+                if isinstance(inner, BaseModel):
+                    yield from _numbers(inner, f"{where}.{key}")
+        elif isinstance(value, tuple):
+            yield from ((f"{where}.{i}", name, one) for i, one in enumerate(value))
+        elif isinstance(value, float | int) and not isinstance(value, bool) and name != "i2c":
+            yield where, name, value
+
+
+def _sources(robot: Robot) -> dict[str, str]:
+    """Parts that do not say where their numbers come from."""
+    sections: dict[str, Bought | Drive] = {
+        "chassis": robot.chassis, "wheels": robot.wheels, "caster": robot.caster,
+        "motor": robot.motor, "motor.drive": robot.motor.drive,
+        **{f"parts.{name}": part for name, part in robot.parts.items()},
+    }  # fmt: skip
+    found = {
+        f"{place}.source": "is missing; say where mass and size were read, or how they were chosen"
+        for place, one in sections.items()
+        if not one.source
+    }
+    for place, one in sections.items():
+        if isinstance(one, Bought) and one.price is not None:
+            if one.price < 0:
+                found[f"{place}.price"] = f"expected at least 0, found {one.price:g}"
+            if not (one.price_source and one.currency):
+                found[f"{place}.price"] = "needs price_source and currency; or leave the price out"
+    return found
+
+
+def _sizes(robot: Robot) -> dict[str, str]:
+    """Sizes that do not go together."""
+    chassis, wheels, caster = robot.chassis, robot.wheels, robot.caster
+    between = wheels.track_m - wheels.width_m
+    found: dict[str, str] = {}
+    if wheels.width_m > chassis.width_m:
+        found["wheels.width_m"] = (
+            f"{wheels.width_m:g} m is wider than the chassis ({chassis.width_m:g} m);"
+            " a millimetre is 0.001"
+        )
+    elif chassis.width_m > between:
+        found["chassis.width_m"] = (
+            f"{chassis.width_m:g} m does not fit between the wheels, which leave {between:g} m;"
+            " lower it, or raise wheels.track_m"
+        )
+    if 2 * caster.radius_m > caster.height_m:
+        found["caster.height_m"] = (
+            f"{caster.height_m:g} m is less than the ball's diameter {2 * caster.radius_m:g} m"
+        )
+    room = wheels.radius_m + chassis.underside_m
+    if caster.height_m >= room:
+        found["caster.height_m"] = (
+            f"{caster.height_m:g} m is too high: the plate is only {room:g} m above the floor"
+        )
+    inside = caster.screws_m + caster.screw_m
+    if inside >= chassis.post_m[1] or caster.screw_m >= chassis.post_m[0]:
+        found["caster.screws_m"] = (
+            f"the screw holes need {inside:g} m across, and the post has {chassis.post_m[1]:g} m;"
+            " raise chassis.post_m"
+        )
+    rear = chassis.length_m - chassis.front_m
+    if caster.behind_m + chassis.post_m[0] / 2 > rear:
+        found["caster.behind_m"] = (
+            f"the post reaches {caster.behind_m + chassis.post_m[0] / 2:g} m behind the axle, and"
+            f" the plate {rear:g} m; raise chassis.length_m"
+        )
+    return found
+
+
+def _collisions(parts: tuple[Placed, ...]) -> Iterator[tuple[str, str]]:
+    """Parts that are in the same place."""
+    for one, other in itertools.combinations(parts, 2):
+        for mine, theirs in itertools.product(one.solids, other.solids):
+            depth = _overlap_m(mine, theirs)
+            if depth > TOUCHING_M:
+                yield (
+                    other.place,
+                    f"{other.name} and {one.name} overlap by {1000 * depth:.3g} mm;"
+                    " move one of them, or make it smaller",
+                )
+                break
+
+
+def _overlap_m(one: Solid, other: Solid) -> float:
+    """How far the boxes around two solids reach into each other; negative where they do not."""
+    if one.is_hole or other.is_hole:
+        return -1.0
+    return float(
+        min(
+            (min(one.high_m[i], other.high_m[i]) - max(one.low_m[i], other.low_m[i]))
+            for i in range(3)
+        )
+    )
+
+
+def _balance(robot: Robot) -> Iterator[tuple[str, str]]:
+    """A centre of mass beside the middle, before the axle or behind the caster."""
+    body = body_of(robot)
+    x, y, _ = body.center_m.tolist()
+    if abs(y) > BESIDE_M:
+        name, part = max(
+            ((n, p) for n, p in robot.parts.items() if not p.mirrored),
+            key=lambda item: item[1].mass_kg,
+            default=(None, None),
+        )
+        cure = "mirror its parts"
+        if part is not None:
+            cure = (
+                f"move {name} to y = {part.position_m[1] - y * body.mass_kg / part.mass_kg:.4g} m,"
+                " or mirror parts"
+            )
+        yield "parts", f"the centre of mass is {1000 * y:.3g} mm beside the middle; {cure}"
+    if not -robot.caster.behind_m < x < 0:
+        yield (
+            "parts",
+            f"the centre of mass is at x = {x:.4g} m; the robot stands only if it is between the"
+            f" caster ({-robot.caster.behind_m:g} m) and the axle (0): move the battery",
+        )

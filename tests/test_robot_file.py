@@ -1,0 +1,218 @@
+"""The file of the robot: what follows from it, what cannot be, and a run of another robot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import yaml
+
+import simcompare
+from simcompare.errors import InputError
+from simcompare.hardware.robot import built, robot_file, solids
+from simcompare.hardware.robot.description import Robot
+from simcompare.hardware.robot.solids import Solid
+from simcompare.scenarios import catalogue
+from tests.present import need
+
+#: what the scenarios write fewer digits of, and how far that may be off: nobody places a battery
+#: better than to a tenth of a millimetre, or weighs a robot better than to a tenth of a gram
+ROUNDED = {
+    "body_mass_kg": 5e-5, "center_height_m": 5e-5, "center_behind_m": 5e-5,
+    "body_yaw_inertia_kg_m2": 5e-7, "roll_inertia_share": 5e-4, "pitch_inertia_share": 5e-4,
+}  # fmt: skip
+
+
+def content():
+    return yaml.safe_load(robot_file.OWN.read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def changed(tmp_path):
+    """Writes our robot with other values: ``changed({"wheels.radius_m": 0.03}) -> path``."""
+
+    def to(values, without=()):
+        tree = content()
+        for place, value in values.items():
+            *above, last = place.split(".")
+            part = tree
+            for key in above:
+                part = part[key]
+            part[last] = value
+        for place in without:
+            section, _, key = place.rpartition(".")
+            del tree[section][key]
+        path = tmp_path / "my.yaml"
+        path.write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
+        return path
+
+    return to
+
+
+def faults_of(path):
+    with pytest.raises(InputError) as error:
+        robot_file.read(path)
+    assert str(path) in str(error.value)
+    return error.value.faults
+
+
+# --- what follows from it ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scenario", ["robot", "robot_motor"])
+def test_scenarios_hold_what_follows_from_the_file(scenario):
+    known = built.parameters(robot_file.read())
+    file = catalogue.load(scenario)
+    held = {name: one.value for name, one in file.parameters.items() if name in known}
+    assert len(held) >= 12
+    for name, value in held.items():
+        assert value == pytest.approx(known[name], rel=1e-12, abs=ROUNDED.get(name, 0)), name
+
+
+def test_nothing_turns_our_robot_about_two_axes_at_once():
+    """So that the engines, which get no products of inertia, miss nothing of it."""
+    robot = robot_file.read()
+    assert built.products_kg_m2(robot) == pytest.approx((0, 0, 0), abs=1e-8)
+
+
+def test_the_motor_is_near_to_its_sheet():
+    drive = robot_file.read().motor.drive
+    k, resistance = drive.torque_constant_N_m_A, drive.resistance_Ohm
+    stall = k * 6 / resistance - drive.rotor_friction_N_m
+    slope = k**2 / resistance + drive.rotor_damping_N_m_s_rad
+    turns = stall / slope / drive.gear_ratio * 60 / (2 * math.pi)
+    # as the file says; SunFounder's 200 a minute are good to 10 %, and 0.8 kg·cm has one digit
+    assert turns == pytest.approx(200, rel=0.1)
+    assert drive.efficiency * drive.gear_ratio * stall == pytest.approx(0.8 * 0.0980665, rel=0.1)
+
+
+def test_mass_and_inertia_are_those_of_points_spread_over_the_solids():
+    """A hundred thousand points a solid, drawn evenly: good to half a percent."""
+    rng = np.random.default_rng(1)
+    made = built.chassis_solids(robot_file.read())
+    plate_and_more = [one for one in made if not one.is_hole]
+    points, weights = [], []
+    for one in plate_and_more:
+        drawn = rng.uniform(one.low_m, one.high_m, (100_000, 3))
+        points.append(drawn)
+        weights.append(np.full(len(drawn), one.volume_m3 / len(drawn)))
+    at, volume = np.concatenate(points), np.concatenate(weights)
+    for hole in (one for one in made if one.is_hole):
+        inside = np.hypot(*(at[:, :2] - hole.position_m[:2]).T) < hole.radius_m
+        inside &= np.abs(at[:, 2] - hole.position_m[2]) < hole.size_m[2] / 2
+        volume = np.where(inside, 0.0, volume)
+    assert solids.volume_m3(made) == pytest.approx(volume.sum(), rel=5e-4)
+    mass = solids.mass_of(made, 1.0)
+    share = volume / volume.sum()
+    center = share @ at
+    assert mass.center_m == pytest.approx(center, abs=2e-4)
+    off = at - center
+    squares = (share[:, None] * off).T @ off
+    inertia = np.trace(squares) * np.eye(3) - squares
+    assert mass.inertia_kg_m2 == pytest.approx(inertia, rel=5e-3, abs=5e-3 * inertia[0, 0])
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_a_cylinder_has_the_moments_of_every_textbook(axis):
+    index = "xyz".index(axis)
+    size = [0.2, 0.2, 0.2]
+    size[index] = 0.5
+    mass = solids.mass_of([Solid(axis, tuple(size), (0.0, 0.0, 0.0))], 3.0)
+    expected = [3.0 * (3 * 0.1**2 + 0.5**2) / 12] * 3
+    expected[index] = 3.0 * 0.1**2 / 2
+    assert np.diag(mass.inertia_kg_m2) == pytest.approx(expected, rel=1e-14)
+
+
+def test_a_longer_chassis_is_one_number(changed):
+    ours = built.parameters(robot_file.read())
+    longer = built.parameters(robot_file.read(changed({"chassis.length_m": 0.22})))
+    assert longer["body_mass_kg"] > ours["body_mass_kg"] + 0.03
+    assert longer["center_behind_m"] > ours["center_behind_m"]
+    assert longer["body_yaw_inertia_kg_m2"] > ours["body_yaw_inertia_kg_m2"]
+    assert longer["wheel_radius_m"] == ours["wheel_radius_m"]
+
+
+# --- what cannot be ---------------------------------------------------------------------------
+
+
+def test_all_faults_are_told_at_once_with_place_value_and_cure(changed):
+    path = changed(
+        {"wheels.width_m": 0.2, "parts.battery.mass_kg": -0.14, "motor.drive.efficiency": 1.5},
+        without=["motor.source"],
+    )
+    faults = "\n".join(faults_of(path))
+    assert "wheels.width_m: 0.2 m is wider than the chassis (0.094 m)" in faults
+    assert "parts.battery.mass_kg: expected a number greater than 0, found -0.14" in faults
+    assert "motor.drive.efficiency: expected at most 1, found 1.5" in faults
+    assert "motor.source: is missing; say where" in faults
+    assert all(fault.startswith("line ") for fault in faults.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"wheels.track_m": 0.1}, "does not fit between the wheels, which leave 0.08 m"),
+        ({"caster.radius_m": 0.013}, "less than the ball's diameter 0.026 m"),
+        ({"caster.height_m": 0.05}, "the plate is only 0.0435 m above the floor"),
+        ({"caster.screws_m": 0.05}, "raise chassis.post_m"),
+        ({"caster.behind_m": 0.12}, "raise chassis.length_m"),
+        ({"parts.board.position_m": [-0.0473, 0, 0.0275]}, "board and breadboard overlap by"),
+        ({"parts.battery.position_m": [0.018, 0.004, -0.00365]}, "move battery to y ="),
+        ({"parts.battery.position_m": [0.2, 0, -0.00365]}, "between the caster (-0.08 m)"),
+        ({"parts.imu.i2c": 0x29}, "0x29 is the address of imu too"),
+        ({"parts.imu.i2c": 3}, "0x08 to 0x77"),
+        ({"parts.driver.wires": {"AIN1": ["board.IO34", "out"]}}, "kind 'input'; for 'out' take"),
+        ({"parts.driver.wires": {"AIN1": ["board.IO99", "out"]}}, "board.IO99 does not exist"),
+        ({"parts.driver.wires": {"AIN1": ["bord.IO25", "out"]}}, "which is no part"),
+        ({"parts.driver.wires": {"STBY": ["board.IO34", "in"]}}, "taken by left_encoder.DO"),
+        ({"parts.imu.price": 3}, "needs price_source and currency"),
+        ({"parts.imu.mass": 3}, "is not known here; known, the nearest first: mass_kg"),
+        ({"parts.imu.mass_kg": "2 g"}, "expected a number, found '2 g'"),
+        ({"chassis": 3}, "expected a mapping"),
+    ],
+)
+def test_what_cannot_be_is_told_with_its_cure(changed, values, words):
+    faults = faults_of(changed(values))
+    assert any(words in fault for fault in faults), faults
+
+
+def test_a_cure_cures(changed):
+    """What the message names as the place of the battery balances the robot."""
+    off = {"parts.imu.position_m": [0, 0.02, 0.0425], "parts.imu.mass_kg": 0.02}
+    (fault,) = faults_of(changed(off))
+    y = float(fault.partition("y = ")[2].partition(" m")[0])
+    place = content()["parts"]["battery"]["position_m"]
+    place[1] = y
+    size = [0.058, 0.020, 0.029]
+    moved = {**off, "parts.battery.position_m": place, "parts.battery.size_m": size}
+    assert isinstance(robot_file.read(changed(moved)), Robot)
+
+
+# --- another robot runs -----------------------------------------------------------------------
+
+
+def test_a_run_takes_another_robot(changed):
+    need("mujoco")
+    path = changed({"wheels.radius_m": 0.03})
+    run = simcompare.run(
+        "robot", engine="mujoco", contact="assisted", robot=path, set={"torque": "10mN*m"}
+    )
+    values = built.parameters(robot_file.read(path))
+    mass, radius = values["body_mass_kg"] + 0.06, 0.03
+    expected = (2 * 0.01 / radius) / (mass + 0.03)  # 2·J/r² is the mass of one wheel
+    (row,) = [row for row in run.record.scores if row.measure == "acceleration"]
+    assert row.truth == pytest.approx(expected, rel=1e-9)
+    assert "--robot" in run.record.command
+    assert run.passed
+
+
+def test_a_scenario_without_a_robot_is_refused(changed):
+    with pytest.raises(InputError, match="the scenario ball has no parameter of a robot"):
+        simcompare.run("ball", engine="pymunk", robot=changed({}))
+
+
+def test_values_that_the_scenario_does_not_take_are_told(changed):
+    path = changed({"wheels.radius_m": 0.06, "parts.cables.mass_kg": 15})
+    with pytest.raises(InputError, match=r"wheel_radius_m = 0.06 m is outside"):
+        simcompare.run("robot", engine="mujoco", robot=path)
