@@ -34,7 +34,7 @@ class DartSimulation(ReducedSimulation):
     def __init__(self, dart: Any, scene: Scene) -> None:
         super().__init__(scene)
         self.built = build(dart, scene)
-        self._dart, self._seen = dart, dict[str, Any]()
+        self._dart, self._ray_groups = dart, dict[str, Any]()
         self._world, self._nodes = self.built.world, self.built.nodes
         self.take_step = self._world.step
         self._width, first = sum(tree.getNumDofs() for tree in self.built.trees), 0
@@ -103,7 +103,7 @@ class DartSimulation(ReducedSimulation):
     def cast_rays(
         self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
     ) -> Sequence[float]:
-        group = self._seen.get(without_body) or self._group_without(without_body)
+        group = self._ray_groups.get(without_body) or self._group_without(without_body)
         raycast, option = group.raycast, self._dart.collision.RaycastOption()
         origin, found = np.asarray(origin_m), []
         for end in origin + reach_m * directions:
@@ -116,7 +116,7 @@ class DartSimulation(ReducedSimulation):
         """What rays can meet: of DART's detectors its own casts them, and exactly."""
         group = self._dart.collision.DARTCollisionDetector().createCollisionGroup()
         group.addShapeFrames([one for one, owner in self.built.owners.items() if owner != body])
-        self._seen[body] = group
+        self._ray_groups[body] = group
         return group
 
     def row(self) -> Any:
