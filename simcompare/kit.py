@@ -12,6 +12,7 @@ from simcompare.engine.helps import (
     HALF_STEP_START,
     HELPS,
     LANDING,
+    RAYS,
     REACTIONS,
     RECOIL,
     RIMS,
@@ -65,8 +66,8 @@ from simcompare.model.vectors import (
 
 __all__ = [
     "CENTRED_EFFORTS", "COEFFICIENTS", "HALF_STEP_START", "HELPS", "JOINTS_AND_FORCES",
-    "LANDING", "REACTIONS", "RECOIL", "RIMS", "SOFT_STEP_S", "SPATIAL_RIGID_BODIES", "SPRING",
-    "TUNED", "Array", "Audit", "BodyState", "EngineBackend", "EngineBroken", "Feature",
+    "LANDING", "RAYS", "REACTIONS", "RECOIL", "RIMS", "SOFT_STEP_S", "SPATIAL_RIGID_BODIES",
+    "SPRING", "TUNED", "Array", "Audit", "BodyState", "EngineBackend", "EngineBroken", "Feature",
     "FreeCoordinates", "Held", "Keeper", "KnownLimit", "Numbers", "OtherPython", "OwnValue", "Pair",
     "PipPackage", "PlanarHinge", "PlanarJoint", "PlanarMotion", "PlanarSimulation",
     "PlanarSlider", "PlanarWeld", "Point", "Program", "ReducedSimulation", "Rims", "Row",

@@ -368,7 +368,7 @@ def test_what_would_have_no_effect_is_told(change, place, words):
     ],
 )
 def test_a_sensor_of_a_joint_has_no_pose_of_its_own(sensor):
-    from simcompare.model.scenario import Sensor
+    from simcompare.model.sensor import Sensor
 
     with pytest.raises(ValidationError, match="no pose of its own"):
         Sensor.model_validate(sensor)

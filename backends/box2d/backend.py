@@ -10,6 +10,7 @@ from simcompare.kit import (
     HALF_STEP_START,
     JOINTS_AND_FORCES,
     LANDING,
+    RAYS,
     RECOIL,
     EngineBackend,
     Feature,
@@ -31,7 +32,7 @@ class Box2dBackend(EngineBackend):
         Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
         Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
     }  # fmt: skip
-    helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL})
+    helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL, RAYS})
     typed_as = "restitution"
     other_values = (
         OwnValue(

@@ -10,6 +10,7 @@ from simcompare.kit import (
     HALF_STEP_START,
     JOINTS_AND_FORCES,
     LANDING,
+    RAYS,
     REACTIONS,
     RECOIL,
     EngineBackend,
@@ -42,7 +43,7 @@ class PymunkBackend(EngineBackend):
         Feature.FREE_BODY, Feature.PLANE, Feature.SPHERE, Feature.BOX,
         Feature.RESTITUTION, Feature.FRICTION, Feature.DRAG,
     }  # fmt: skip
-    helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL, REACTIONS})
+    helps = frozenset({LANDING, HALF_STEP_START, CENTRED_EFFORTS, RECOIL, REACTIONS, RAYS})
     typed_as = "elasticity"
     other_values = (
         OwnValue(

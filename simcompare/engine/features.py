@@ -68,7 +68,7 @@ class Needs:
 def needs(scenario: Scenario) -> Needs:
     """Features that a scenario needs, derived from its content.
 
-    Sensors of forces are optional: they only feed measures.
+    Sensors of forces and of ranges are optional: they only feed measures.
     """
     found = {Feature.FREE_BODY} if scenario.moving_bodies() else set()
     for body in scenario.bodies.values():
@@ -94,7 +94,10 @@ def needs(scenario: Scenario) -> Needs:
     if not is_planar(scenario):
         found.add(Feature.SPATIAL)
     # the other sensors follow from the motion, whoever recorded it
-    kinds = {"force": Feature.FORCE_SENSOR, "contact_force": Feature.CONTACT_FORCE}
+    kinds = {
+        "force": Feature.FORCE_SENSOR, "contact_force": Feature.CONTACT_FORCE,
+        "time_of_flight": Feature.RAYS,
+    }  # fmt: skip
     read = {kinds[s.type] for s in scenario.sensors.values() if s.type in kinds}
     return Needs(frozenset(found), frozenset(read))
 

@@ -13,6 +13,7 @@ from simcompare.engine.helps import (
     CENTRED_EFFORTS,
     HALF_STEP_START,
     LANDING,
+    RAYS,
     REACTIONS,
     RECOIL,
     half_step_start,
@@ -26,7 +27,7 @@ from simcompare.engine.scene import Scene
 from simcompare.engine.state import compare_start
 from simcompare.errors import Unsupported
 from simcompare.model.audit import AuditRow
-from simcompare.model.scenario import SENSOR_SIGNALS, Sensor
+from simcompare.model.sensor import Sensor
 from simcompare.model.settings import SPRING
 from simcompare.model.trajectory import Array
 from simcompare.model.tuning import TuningRow
@@ -64,9 +65,10 @@ class HelpedSimulation(EngineHooks):
             if sensor.type in ("force", "contact_force"):
                 reason = self._without(sensor) or self.reason_lacking(sensor)
                 if reason:
-                    self.lacks[f"{name}.{next(iter(SENSOR_SIGNALS[sensor.type]))}"] = reason
+                    self.lacks[f"{name}.{next(iter(sensor.signals))}"] = reason
                 else:
                     self._force_sensors[name] = sensor
+        self._range_sensors = self._own_ranges()
         self._force_columns = sum(map(_columns, self._force_sensors.values()))
         self._pairs = {frozenset(s.pair): s.pair for s in self._force_sensors.values() if s.pair}
         self._first_forces: Sequence[float] | None = None
@@ -197,6 +199,18 @@ class HelpedSimulation(EngineHooks):
         if magnitude and not self.settings.takes(REACTIONS):
             return f"{scene.engine} tells the magnitude of a joint's impulse and not its direction"
         return ""
+
+    def _own_ranges(self) -> dict[str, Sensor]:
+        """Range sensors that read through the engine's own rays."""
+        scene, all_of_them = self.scene, self.scenario.range_sensors()
+        if all_of_them and self.settings.takes(RAYS):
+            self.helps.add(RAYS)
+        elif Feature.RAYS in scene.features:
+            return all_of_them
+        else:
+            reason = f"simcompare's backend for {scene.engine} has no {Feature.RAYS}"
+            self.lacks |= {f"{name}.range_m": reason for name in all_of_them}
+        return {}
 
     def _prepare_reactions(self) -> None:
         """Which forces are mended: those that an engine tells wrongly, or as a magnitude only."""
@@ -344,4 +358,4 @@ class HelpedSimulation(EngineHooks):
 
 def _columns(sensor: Sensor) -> int:
     """How many numbers a sensor of a force gives."""
-    return sum(SENSOR_SIGNALS[sensor.type].values())
+    return sum(sensor.signals.values())

@@ -13,7 +13,7 @@ from simcompare.engine.short_turns import refuse_slowed
 from simcompare.engine.stateful import StatefulMotion
 from simcompare.errors import SimulationDiverged
 from simcompare.model.audit import Audit
-from simcompare.model.scenario import Sensor
+from simcompare.model.sensor import Sensor
 from simcompare.model.shapes import Vector
 from simcompare.model.trajectory import Array
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from simcompare.model.rotations import conjugate, cross, multiply, quaternions_of, rotate
 from simcompare.model.scenario import MOVABLE, Body, Joint, Scenario
+from simcompare.model.sensor import Sensor
 from simcompare.model.shapes import Quaternion, Shape, Vector
 from simcompare.model.trajectory import Array
 from simcompare.model.vectors import multiplied, plus, times, turned
@@ -172,6 +173,23 @@ def _follow(mount: Mount, joint: Joint, above: _Motion, moved: tuple[Array, Arra
         away, own = away + axis * coordinate, axis * speed
     child = multiply(turned, np.tile(mount.orientation_wxyz, (len(position), 1)))
     return position + away, child, velocity + cross(rate, away) + own, spin
+
+
+def placed_on(
+    scenario: Scenario, sensor: Sensor, count: int, signals: Mapping[str, Array]
+) -> tuple[Array, Array]:
+    """World position (n, 3) and orientation (n, 4) of a sensor on a body."""
+    assert sensor.body is not None
+    body = scenario.bodies[sensor.body]
+    if body.fixed:
+        position, orientation = (
+            np.tile(part, (count, 1)) for part in (body.position_m, body.orientation_wxyz)
+        )
+    else:
+        position = signals[f"{sensor.body}.position_m"]
+        orientation = signals[f"{sensor.body}.orientation_wxyz"]
+    place = position + rotate(orientation, np.tile(sensor.position_m, (count, 1)))
+    return place, multiply(orientation, np.tile(sensor.orientation_wxyz, (count, 1)))
 
 
 def placed_shapes(body: Body, shapes: Sequence[Shape]) -> list[Shape]:

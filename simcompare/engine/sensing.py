@@ -8,13 +8,15 @@ second order in the time between samples.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from simcompare.engine.kinematics import add_children, carriers
+from simcompare.engine.kinematics import add_children, carriers, placed_on
+from simcompare.engine.range_sensing import ranges
 from simcompare.model.rotations import conjugate, multiply, rotate, rotation_vectors_of
-from simcompare.model.scenario import MOVABLE, SENSOR_SIGNALS, DcMotor, Scenario, Sensor
+from simcompare.model.scenario import MOVABLE, DcMotor, Scenario
+from simcompare.model.sensor import Sensor
 from simcompare.model.trajectory import Array
 
 #: standard atmosphere, ISO 2533:1975: sea level pressure [Pa], temperature [K], lapse rate [K/m]
@@ -29,6 +31,7 @@ def complete(
     signals: dict[str, Array],
     inputs: Mapping[str, Array],
     owner: str | None = None,
+    without: Collection[str] = (),
 ) -> None:
     """Adds what follows from the motion and is not among the signals yet.
 
@@ -41,6 +44,7 @@ def complete(
         signals: what a source recorded; is added to.
         inputs: values of the inputs at these times.
         owner: the body, actuator or sensor of which the signals are asked for; ``None``: all.
+        without: sensors that are left out.
     """
     if _has_motion(scenario, signals):
         add_children(scenario, signals, len(time_s), _bodies_for(scenario, owner))
@@ -48,9 +52,9 @@ def complete(
         if owner in (None, name):
             _add_actuator(scenario, name, time_s, signals, inputs)
     for name, sensor in scenario.sensors.items():
-        if owner not in (None, name) or not _sees(scenario, sensor, signals):
+        if owner not in (None, name) or name in without or not _sees(scenario, sensor, signals):
             continue
-        for part in SENSOR_SIGNALS[sensor.type]:
+        for part in sensor.signals:
             if f"{name}.{part}" not in signals:
                 signals[f"{name}.{part}"] = _READ[part](scenario, sensor, time_s, signals)
 
@@ -90,6 +94,8 @@ def _bodies_for(scenario: Scenario, owner: str | None) -> set[str] | None:
         return None
     sensor = scenario.sensors.get(owner)
     body = owner if sensor is None else sensor.body
+    if sensor is not None and sensor.zones:
+        return None  # it looks at them
     return set() if body is None else carriers(scenario, body)
 
 
@@ -134,36 +140,23 @@ def _add_actuator(
 
 
 def _sees(scenario: Scenario, sensor: Sensor, signals: Mapping[str, Array]) -> bool:
-    if not SENSOR_SIGNALS[sensor.type].keys() <= _READ.keys():
+    if not sensor.signals.keys() <= _READ.keys():
         return False
     if sensor.body is None:
         return f"{sensor.joint}.angle_rad" in signals
-    needed = (f"{sensor.body}.{part}" for part in ("position_m", "orientation_wxyz"))
-    return scenario.bodies[sensor.body].fixed or all(name in signals for name in needed)
-
-
-def _pose(
-    scenario: Scenario, sensor: Sensor, count: int, signals: Mapping[str, Array]
-) -> tuple[Array, Array]:
-    """World position (n, 3) and orientation (n, 4) of a sensor on a body."""
-    assert sensor.body is not None
-    body = scenario.bodies[sensor.body]
-    if body.fixed:
-        position, orientation = (
-            np.tile(part, (count, 1)) for part in (body.position_m, body.orientation_wxyz)
-        )
-    else:
-        position = signals[f"{sensor.body}.position_m"]
-        orientation = signals[f"{sensor.body}.orientation_wxyz"]
-    place = position + rotate(orientation, np.tile(sensor.position_m, (count, 1)))
-    return place, multiply(orientation, np.tile(sensor.orientation_wxyz, (count, 1)))
+    bodies = {sensor.body}
+    if sensor.zones:  # it looks at all the others
+        bodies |= {name for name, body in scenario.bodies.items() if body.shapes}
+    parts = ("position_m", "orientation_wxyz")
+    moving = [name for name in bodies if not scenario.bodies[name].fixed]
+    return all(f"{name}.{part}" in signals for name in moving for part in parts)
 
 
 def _accelerometer(
     scenario: Scenario, sensor: Sensor, time_s: Array, signals: Mapping[str, Array]
 ) -> Array:
     """Specific force f = Rᵀ(a - g) at the sensor's place, in its frame (n, 3)."""
-    position, orientation = _pose(scenario, sensor, len(time_s), signals)
+    position, orientation = placed_on(scenario, sensor, len(time_s), signals)
     felt = acceleration_of(position, time_s) - np.array(scenario.world.gravity_m_s2)
     return rotate(conjugate(orientation), np.asarray(felt, dtype=float))
 
@@ -172,7 +165,7 @@ def _gyroscope(
     scenario: Scenario, sensor: Sensor, time_s: Array, signals: Mapping[str, Array]
 ) -> Array:
     """Rate in the sensor's frame (n, 3), from how the orientation changes between samples."""
-    _, orientation = _pose(scenario, sensor, len(time_s), signals)
+    _, orientation = placed_on(scenario, sensor, len(time_s), signals)
     if len(time_s) < 3:
         stored = signals.get(f"{sensor.body}.rate_rad_s", np.zeros((len(time_s), 3)))
         return rotate(conjugate(orientation), stored)
@@ -185,7 +178,7 @@ def _gyroscope(
 def _barometer(
     scenario: Scenario, sensor: Sensor, time_s: Array, signals: Mapping[str, Array]
 ) -> Array:
-    position, _ = _pose(scenario, sensor, len(time_s), signals)
+    position, _ = placed_on(scenario, sensor, len(time_s), signals)
     return pressure_at(position[:, 2])
 
 
@@ -204,4 +197,5 @@ _READ = {
     "rate_rad_s": _gyroscope,
     "pressure_Pa": _barometer,
     "marks": _encoder,
+    "range_m": ranges,
 }

@@ -14,12 +14,14 @@ import numpy as np
 from simcompare.engine.drives import checked_inputs, input_values
 from simcompare.engine.helped import HelpedSimulation
 from simcompare.engine.helps import HELPS
+from simcompare.engine.kinematics import add_children
+from simcompare.engine.range_sensing import read_through
 from simcompare.engine.readings import Readings
 from simcompare.engine.sensing import complete
 from simcompare.engine.short_turns import note_of_turns, refuse_slowed
 from simcompare.engine.stateful import RECENT, Seen
 from simcompare.errors import InputError
-from simcompare.model.scenario import SENSOR_SIGNALS, Scenario
+from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
 
 #: called as controller(time_s, readings) before recorded steps; returns inputs by name
@@ -56,11 +58,24 @@ class Simulation(HelpedSimulation):
         self.ensure_open()
         if not self._recent:
             self._recent.append((self.time_s, self._row_now(), {}))
-        recent = (*self._recent,)
-        return Readings(lambda owner: self._signals_seen(recent, owner))
+        recent, views = (*self._recent,), self._views[-1] if self._views else self.ranges()
+        return Readings(lambda owner: self._signals_seen(recent, owner) | views)
+
+    def ranges(self) -> dict[str, Array]:
+        """What range sensors read now (1, zones²) [m], through the engine's own rays."""
+        if not self._range_sensors:
+            return {}
+        signals = self.motions(np.array([self.row()], dtype=float))
+        add_children(self.scenario, signals, 1)
+        return {
+            f"{name}.range_m": read_through(self.cast_rays, self.scenario, sensor, signals)
+            for name, sensor in self._range_sensors.items()
+        }
 
     def _signals_seen(self, recent: Sequence[Seen], owner: str | None) -> dict[str, Array]:
         """Signals of one owner at the last of some samples, ``None``: of all owners."""
+        if owner in self._range_sensors:
+            return {}
         moves = owner in self._free or owner in self._joints
         if moves:  # held by the engine itself, at that sample
             row = np.array([recent[-1][1]], dtype=float)
@@ -118,6 +133,8 @@ class Simulation(HelpedSimulation):
         times = sample_times(self.scenario)
         inputs = input_values(self.scenario, times)
         blocks: list[list[Sequence[float]] | Array] = [[self._row_now()]]
+        if self._range_sensors:
+            self._views = [self.ranges()]
         if controller is None:
             blocks += self._record_all(len(times) - 1)
         else:
@@ -131,6 +148,9 @@ class Simulation(HelpedSimulation):
         rows = np.concatenate([np.asarray(block, dtype=float) for block in blocks])
         stepped = {"step": time.perf_counter() - started}
         signals = self.signals(rows, times, inputs)
+        for name in self._views[0] if self._views else ():
+            signals[name] = np.concatenate([view[name] for view in self._views])
+        self._views = []
         refuse_slowed(self.scene, signals, self.step_s, times)
         self.notes += note_of_turns(self.scene, signals, self.step_s / self.inner_steps)
         return Trajectory(
@@ -148,6 +168,15 @@ class Simulation(HelpedSimulation):
         )
 
     def _record_all(self, count: int) -> list[list[Sequence[float]] | Array]:
+        if not self._views:
+            return self._record_blind(count)
+        blocks: list[list[Sequence[float]] | Array] = []
+        for _ in range(count):  # rays are cast at every sample
+            blocks += self._record_blind(1)
+            self._views.append(self.ranges())
+        return blocks
+
+    def _record_blind(self, count: int) -> list[list[Sequence[float]] | Array]:
         if self._landing is None:
             self._stagger_start()
             whole = self.record(count)
@@ -222,13 +251,14 @@ class Simulation(HelpedSimulation):
             forces = np.vstack((forces[1:2], forces[1:])) if self._forces_at_end else forces[1:]
         column, first = 0, self._first_forces if lagging else None
         for name, sensor in self._force_sensors.items():
-            ((part, size),) = SENSOR_SIGNALS[sensor.type].items()
+            ((part, size),) = sensor.signals.items()
             block = forces[:count, column : column + size].copy()
             if first is not None:
                 block[0] = first[column : column + size]
             found[f"{name}.{part}"] = block if size > 1 else block[:, 0].copy()
             column += size
-        complete(self.scenario, time_s, found, inputs, owner)
+        given = {*self._range_sensors, *(name.partition(".")[0] for name in self.lacks)}
+        complete(self.scenario, time_s, found, inputs, owner, given)
         return found
 
 

@@ -75,6 +75,7 @@ class StatefulMotion(FreeMotion):
         self._landing: Landing | None = None
         self._whole_step_s = self.scenario.world.engine_step_s
         self._recent: deque[Seen] = deque(maxlen=RECENT)
+        self._views: list[dict[str, Array]] = []  # what range sensors read at each sample of a run
 
     def release(self) -> None:
         """Releases what the engine holds."""

@@ -17,7 +17,8 @@ from simcompare.engine.drives import JointLaw, laws_of
 from simcompare.engine.kinematics import Mount, mount_of
 from simcompare.exporters import parts
 from simcompare.exporters.parts import Twin, add, number, numbers
-from simcompare.model.scenario import Body, Joint, Scenario, Sensor
+from simcompare.model.scenario import Body, Joint, Scenario
+from simcompare.model.sensor import Sensor
 from simcompare.model.shapes import Quaternion, Shape, Vector
 
 #: SDF's own "no limit"; older readers want to see it

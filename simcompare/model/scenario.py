@@ -14,7 +14,8 @@ from pydantic import Field, PositiveFloat, field_validator, model_validator
 
 from simcompare.model.answer import Answer
 from simcompare.model.estimate_plan import EstimatePlan
-from simcompare.model.sensor_errors import SensorErrors
+from simcompare.model.sensor import MOST_COMPONENTS, Sensor
+from simcompare.model.sensor_errors import ERRORS, SensorErrors
 from simcompare.model.shapes import Frozen, Nonnegative, Pose, Shape, Vector, not_zero
 from simcompare.model.signals import Signal
 from simcompare.model.trajectory import BODY_SIGNALS
@@ -25,8 +26,6 @@ from simcompare.model.words import Line, Name
 MAX_SAMPLES = 1e7
 #: joints with a coordinate, and what is recorded of them: coordinate, then rate
 MOVABLE = {"hinge": ("angle_rad", "rate_rad_s"), "slider": ("position_m", "velocity_m_s")}
-#: engines simulate ideal readings; errors are added to what was simulated
-_ERRORS = "what a real device would add to the ideal readings"
 
 
 class Drag(Frozen):
@@ -99,7 +98,7 @@ class Joint(Frozen):
     damping: Nonnegative = Field(0.0, description="viscous [N·m·s/rad] or [N·s/m]")
     friction: Nonnegative = Field(0.0, description="Coulomb [N·m] or [N]")
     armature: Nonnegative = Field(0.0, description="reflected inertia [kg·m²] or [kg]")
-    errors: SensorErrors | None = Field(None, description=_ERRORS)
+    errors: SensorErrors | None = Field(None, description=ERRORS)
 
     _has_direction = field_validator("axis")(not_zero)
 
@@ -127,7 +126,7 @@ class Effort(Frozen):
     joint: str
     input: str
     gear: float = Field(1.0, description="effort for one unit of the input")
-    errors: SensorErrors | None = Field(None, description=_ERRORS)
+    errors: SensorErrors | None = Field(None, description=ERRORS)
 
 
 class DcMotor(Frozen):
@@ -149,7 +148,7 @@ class DcMotor(Frozen):
     rotor_friction_N_m: Nonnegative
     rotor_damping_N_m_s_rad: Nonnegative
     rotor_inertia_kg_m2: Nonnegative
-    errors: SensorErrors | None = Field(None, description=_ERRORS)
+    errors: SensorErrors | None = Field(None, description=ERRORS)
 
 
 Actuator = Annotated[Effort | DcMotor, Field(discriminator="type")]
@@ -172,53 +171,6 @@ class Contact(Frozen):
         return self
 
 
-class Sensor(Pose):
-    """An ideal sensor; error models are applied afterwards, not in the engine.
-
-    ``force`` reads, from the engine itself, the force that the parent of a joint exerts on its
-    child, in the child's frame: divided by the child's mass it is a specific force, +g at rest.
-    ``contact_force`` reads the engine's normal force between a pair of bodies. The others follow
-    from the recorded motion, the same way for every source: ``accelerometer`` (specific force at
-    the sensor's place, in its frame), ``gyroscope`` (rate in its frame), ``barometer`` (standard
-    atmosphere at its height), ``encoder`` (whole marks that have passed), ``imu`` (accelerometer
-    and gyroscope of one chip).
-    """
-
-    type: Literal[
-        "force", "contact_force", "accelerometer", "gyroscope", "imu", "barometer", "encoder"
-    ]
-    body: str | None = None
-    joint: str | None = None
-    pair: tuple[str, str] | None = None
-    marks: Annotated[int, Field(ge=1)] | None = Field(None, description="marks in one turn")
-    errors: SensorErrors | None = Field(None, description=_ERRORS)
-
-    @model_validator(mode="after")
-    def _has_a_place(self) -> Sensor:
-        place = _PLACES.get(self.type, "body")
-        for key in ("body", "joint", "pair"):
-            if (getattr(self, key) is not None) != (key == place):
-                raise ValueError(f"a sensor of type {self.type} needs a {place}, and only that")
-        if (self.marks is not None) != (self.type == "encoder"):
-            raise ValueError("marks are what an encoder needs, and no other sensor")
-        if place != "body" and (any(self.position_m) or any(self.orientation_wxyz[1:])):
-            raise ValueError(f"a sensor of type {self.type} has no pose of its own")
-        if self.pair is not None and self.pair[0] == self.pair[1]:
-            raise ValueError(f"{self.pair[0]} cannot touch itself")
-        return self
-
-
-_PLACES = {"encoder": "joint", "force": "joint", "contact_force": "pair"}
-#: what each sensor records -> number of components
-SENSOR_SIGNALS = {
-    "force": {"force_N": 3},
-    "contact_force": {"normal_force_N": 1},
-    "accelerometer": {"specific_force_m_s2": 3},
-    "gyroscope": {"rate_rad_s": 3},
-    "imu": {"specific_force_m_s2": 3, "rate_rad_s": 3},
-    "barometer": {"pressure_Pa": 1},
-    "encoder": {"marks": 1},
-}
 #: what is recorded of each actuator
 ACTUATOR_SIGNALS = {
     "torque": ("torque_N_m",),
@@ -231,7 +183,7 @@ class Probe(Frozen):
     """A scalar that is observed: one component of a body's or a joint's signal, plus an offset."""
 
     observe: str = Field(description="signal, for example ball.position_m")
-    component: int | None = Field(None, ge=0, le=3)
+    component: int | None = Field(None, ge=0, lt=MOST_COMPONENTS)
     offset: float = 0.0
     label: Line
     unit: str
@@ -368,7 +320,7 @@ class Scenario(Frozen):
             return dict.fromkeys(MOVABLE.get(self.joints[owner].type, ()), 1)
         if owner in self.actuators:
             return dict.fromkeys(ACTUATOR_SIGNALS[self.actuators[owner].type], 1)
-        return dict(SENSOR_SIGNALS[self.sensors[owner].type])
+        return self.sensors[owner].signals
 
     def sensor_errors(self) -> dict[str, SensorErrors]:
         """Sensors, joints and actuators of which errors are said -> these."""
@@ -395,6 +347,10 @@ class Scenario(Frozen):
             for name, sensor in self.sensors.items()
             if sensor.type == "force" and sensor.joint
         }
+
+    def range_sensors(self) -> dict[str, Sensor]:
+        """Sensors that look at other bodies."""
+        return {name: sensor for name, sensor in self.sensors.items() if sensor.zones}
 
     def sensed_pairs(self) -> dict[str, tuple[str, str]]:
         """Sensors of the normal force between two bodies -> these."""

@@ -37,6 +37,9 @@ from simcompare import units
 from simcompare.errors import UnknownName
 from simcompare.model.shapes import Frozen, Nonnegative, Quaternion
 
+#: engines simulate ideal readings; errors are added to what was simulated
+ERRORS = "what a real device would add to the ideal readings"
+
 
 class Spread(Frozen):
     """What is known of a term, as a data sheet says it: a deviation from an ideal device."""

@@ -26,7 +26,13 @@ BODY_SIGNALS = {
     "velocity_m_s": 3,
     "rate_rad_s": 3,
 }
-_COMPONENTS = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
+#: most components of a signal
+_MOST = 1024
+
+
+def components(count: int) -> tuple[str, ...]:
+    """Names of the components of a vector, of a quaternion, or else their numbers."""
+    return {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}.get(count) or tuple(map(str, range(count)))
 
 
 def _read_only(values: Array) -> Array:
@@ -76,8 +82,10 @@ class Trajectory:
         for name, values in self.signals.items():
             if len(values) != len(times):
                 raise ValueError(f"{name} has {len(values)} samples but {len(times)=}")
-            if values.ndim > 2 or (values.ndim == 2 and values.shape[1] not in _COMPONENTS):
-                raise ValueError(f"{name} has {values.shape=}; a signal has 1, 3 or 4 components")
+            if values.ndim > 2 or (values.ndim == 2 and not 3 <= values.shape[1] <= _MOST):
+                raise ValueError(
+                    f"{name} has {values.shape=}; a signal has 1, or 3 to {_MOST} components"
+                )
             bad = ~np.isfinite(values).reshape(len(values), -1).all(axis=1)
             if bad.any():
                 first = float(times[np.argmax(bad)])
@@ -102,6 +110,6 @@ class Trajectory:
             if values.ndim == 1:
                 columns[name] = values
                 continue
-            for i, component in enumerate(_COMPONENTS[values.shape[1]]):
+            for i, component in enumerate(components(values.shape[1])):
                 columns[f"{name}.{component}"] = values[:, i]
         return columns

@@ -293,9 +293,8 @@ def _from_columns(source: str, contact: str, columns: Mapping[str, Array]) -> Tr
         if name == "time_s" or np.isnan(values).all():
             continue
         base, dot, component = name.rpartition(".")
-        signals.setdefault(base if dot and component in ("w", "x", "y", "z") else name, []).append(
-            values
-        )
+        is_part = dot and (component in ("w", "x", "y", "z") or component.isdigit())
+        signals.setdefault(base if is_part else name, []).append(values)
     stacked = {
         name: np.column_stack(parts) if len(parts) > 1 else parts[0]
         for name, parts in signals.items()

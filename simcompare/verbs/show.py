@@ -13,7 +13,8 @@ from simcompare.engine import engines
 from simcompare.engine.features import Feature, needs
 from simcompare.errors import InputError, SimcompareError
 from simcompare.model.drawing import drawn
-from simcompare.model.scenario import Joint, Scenario, Sensor, Tolerance, World
+from simcompare.model.scenario import Joint, Scenario, Tolerance, World
+from simcompare.model.sensor import Sensor
 from simcompare.reports.render import matplotlib_replay, numbers
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown

@@ -14,6 +14,7 @@ CENTRED_EFFORTS = "centred_efforts"
 RECOIL = "recoil"
 REACTIONS = "reactions"
 RIMS = "rims"
+RAYS = "rays"
 
 #: help -> what it does, in one sentence
 HELPS = {
@@ -29,6 +30,8 @@ HELPS = {
     " worked out from its motion.",
     RIMS: "Other collision shapes take the place of those that an engine handles badly: two rims"
     " of a cylinder on a plane, a large box of a plane under boxes.",
+    RAYS: "Range sensors read what our own exact rays meet, where the engine casts none, or casts"
+    " them beside round shapes.",
 }
 
 

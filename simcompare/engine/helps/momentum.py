@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from simcompare.engine.steppable import Planar
-from simcompare.model.scenario import Scenario, Sensor
+from simcompare.model.scenario import Scenario
+from simcompare.model.sensor import Sensor
 
 Momentum = tuple[float, float]
 

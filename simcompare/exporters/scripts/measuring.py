@@ -15,7 +15,7 @@ from simcompare.engine.sensing import LAPSE_K_M, PRESSURE_EXPONENT, SEA_LEVEL_K,
 from simcompare.engine.simulation import sample_times
 from simcompare.measures import Measured
 from simcompare.model.rotations import conjugate
-from simcompare.model.scenario import SENSOR_SIGNALS, DcMotor, Measure, Scenario
+from simcompare.model.scenario import DcMotor, Measure, Scenario
 from simcompare.model.trajectory import Array
 
 _TURNED = (
@@ -106,7 +106,7 @@ class Measuring:
         if owner in self.scenario.actuators:
             return self._actuator(owner, part), 1
         sensor = self.scenario.sensors[owner]
-        return self._sensor(owner, part), SENSOR_SIGNALS[sensor.type][part]
+        return self._sensor(owner, part), sensor.signals[part]
 
     def store(self, name: str, values: Array) -> str:
         """Puts an array into the file of inputs; returns what reads it."""
