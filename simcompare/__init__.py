@@ -29,6 +29,7 @@ _PUBLIC = {
     "calibrate": "simcompare.verbs.calibrate",
     "allan": "simcompare.verbs.allan",
     "control": "simcompare.verbs.control",
+    "gym": "simcompare.verbs.gym",
     "compare": "simcompare.verbs.compare",
     "runs": "simcompare.verbs.runs",
     "explain": "simcompare.verbs.explain",

@@ -27,7 +27,7 @@ FLOORS = (
     ("scenarios",),
     ("comparison",),
     ("inference",),
-    ("tuning", "characterization", "propagation", "gauging"),
+    ("tuning", "characterization", "propagation", "gauging", "learning"),
     ("results",),
     ("exporters", "reports"),
     ("fitting", "validation"),

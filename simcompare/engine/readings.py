@@ -53,18 +53,16 @@ class Readings(Mapping[str, Reading]):
 
     def __getitem__(self, name: str) -> Reading:
         """A reading; where there is none of that name, tells which there are."""
-        values = self._found.get(name)
-        if values is None:
-            self._found |= self._compute(str(name).partition(".")[0])
-            values = self._found.get(name)
-        if values is None:
+        if name not in self:
             raise NoSuchReading(name, self)
-        last: Reading = values[-1].tolist()
+        last: Reading = self._found[name][-1].tolist()
         return tuple(last) if isinstance(last, list) else last
 
     def __contains__(self, name: object) -> bool:
         """Whether there is a reading of that name."""
-        return name in self._every()
+        if name not in self._found and self._all is None:
+            self._found |= self._compute(str(name).partition(".")[0])
+        return name in self._found
 
     def __iter__(self) -> Iterator[str]:
         """Names of all readings."""

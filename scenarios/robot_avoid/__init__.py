@@ -1,0 +1,1 @@
+"""Scenario: the wheeled robot among obstacles, and the task of driving to a goal."""

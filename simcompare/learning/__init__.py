@@ -1,0 +1,1 @@
+"""Tasks that are learnt in a scenario: environments, policies and how well they do."""

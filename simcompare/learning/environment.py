@@ -1,0 +1,160 @@
+"""A scenario with a task as an environment of Gymnasium, on any engine that can run it."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from simcompare.engine import engines
+from simcompare.engine.simulation import Simulation
+from simcompare.errors import InputError, UnknownName
+from simcompare.model.scenario import Scenario
+from simcompare.model.settings import ASSISTED, Settings
+from simcompare.scenarios import catalogue
+
+#: numbers that are seen or done (n,); those who learn have them in single precision
+Numbers = NDArray[np.float32] | NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True)
+class Asked:
+    """What an environment was asked to be.
+
+    Attributes:
+        scenario: name of a scenario with a task.
+        engine: name of the engine.
+        contact: contact level.
+        sensors: how large the errors of its sensors are: 0 none, 1 those of the data sheets.
+        control_Hz: how often it acts; ``None``: as the task says.
+        set: parameters that are the same in all episodes.
+        step_s: engine step [s]; ``None``: that of the scenario.
+    """
+
+    scenario: str
+    engine: str
+    contact: str = ASSISTED
+    sensors: float = 0.0
+    control_Hz: float | None = None
+    set: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    step_s: float | None = None
+
+
+class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
+    """One robot, or whatever the scenario is about, that acts and learns.
+
+    Every episode is drawn anew from its seed: the scene, the errors of the sensors, and what is not
+    well known of the machine. An action is held for a control step, in which the engine steps
+    natively; only the signals that the task needs are read.
+
+    Args:
+        asked: what it is to be.
+
+    Raises:
+        InputError: numbers that make no sense.
+        UnknownName: a scenario without a task, an engine or a parameter that does not exist.
+        Unsupported: the engine lacks what the scenario needs.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012
+
+    def __init__(self, asked: Asked) -> None:
+        self._task = _task_of(asked.scenario)
+        self._file, self._backend = catalogue.load(asked.scenario), engines.get(asked.engine)
+        self._settings, self._sensors = Settings(asked.contact), asked.sensors
+        self._given = dict(asked.set)
+        self.control_Hz = asked.control_Hz or self._task.CONTROL_HZ
+        self._step_s = asked.step_s or self._file.resolve(self._given).world.engine_step_s
+        self._refuse(asked)
+        self._substeps = round(1 / (self.control_Hz * self._step_s))
+        self.observation_space = gymnasium.spaces.Box(
+            -10, 10, (self._task.OBSERVATIONS,), np.float32
+        )
+        self.action_space = gymnasium.spaces.Box(-1, 1, (self._task.ACTIONS,), np.float32)
+        self._simulation: Simulation | None = None
+        self._episode: Any = None
+        self._taken = 0
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Numbers, dict[str, Any]]:
+        """Begins an episode.
+
+        Args:
+            seed: of this and, without another one, of all episodes that follow.
+            options: ``{"set": {...}}``: parameters of this episode in place of drawn ones.
+
+        Returns:
+            The first observation, and the parameters that were drawn.
+        """
+        super().reset(seed=seed)
+        self.close()
+        drawn = self._task.draw(self.np_random)
+        drawn |= self._given | dict((options or {}).get("set", {}))
+        scenario = self._scene(drawn)
+        self._episode = self._task.Episode(scenario, self._sensors, self.control_Hz, self.np_random)
+        self._simulation = self._backend.open(scenario, self._settings)
+        self._taken = 0
+        return self._seen(self._simulation), {"parameters": drawn}
+
+    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
+        """Takes a control step: observation, reward, terminated, truncated, and numbers."""
+        if self._simulation is None:
+            raise InputError("step", ["no episode has begun; call reset() first"])
+        self._simulation.step(self._episode.inputs(np.asarray(action, dtype=float)))
+        self._taken += 1
+        seen = self._seen(self._simulation)
+        reward, is_over, told = self._episode.judge()
+        return seen, reward, is_over, self._taken >= self._task.LONGEST, dict(told)
+
+    def close(self) -> None:
+        """Releases the engine."""
+        if self._simulation is not None:
+            self._simulation.close()
+            self._simulation = None
+
+    def _seen(self, simulation: Simulation) -> Numbers:
+        seen: Numbers = self._episode.observe(simulation.read()).astype(np.float32)
+        return seen
+
+    def _scene(self, parameters: Mapping[str, float]) -> Scenario:
+        """The scene of an episode: a recorded step is a control step, and nothing else is recorded.
+
+        It ends when the task does, long before its own end.
+        """
+        control_s = self._substeps * self._step_s
+        scenario = self._file.resolve(parameters, step_s=control_s)
+        world = scenario.world.model_copy(update={"substeps": self._substeps})
+        return scenario.model_copy(update={"world": world, "sensors": {}})
+
+    def _refuse(self, asked: Asked) -> None:
+        faults = []
+        if not (math.isfinite(asked.sensors) and asked.sensors >= 0):
+            faults.append(
+                f"sensors = {asked.sensors!r}; expected 0 (ideal), 1 (data sheet) or more"
+            )
+        parts = 1 / (self.control_Hz * self._step_s) if self.control_Hz > 0 else 0.0
+        if round(parts) < 1 or abs(parts - round(parts)) > 1e-6 * parts:
+            faults.append(
+                f"control_Hz = {self.control_Hz:g}: a control step is no whole number of engine"
+                f" steps of {self._step_s:g} s; expected such as {self._task.CONTROL_HZ:g}"
+            )
+        if faults:
+            raise InputError(f"environment of {asked.scenario}", faults)
+
+
+def tasks() -> list[str]:
+    """Scenarios that have a task."""
+    return [name for name, path in catalogue.files().items() if path.with_name("task.py").is_file()]
+
+
+def _task_of(scenario: str) -> Any:  # noqa: ANN401
+    if scenario not in tasks():
+        raise UnknownName("scenario with a task", scenario, tasks())
+    return importlib.import_module(f"simcompare.scenarios.{scenario}.task")

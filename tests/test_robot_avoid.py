@@ -1,0 +1,129 @@
+"""The robot among obstacles: its truth, arenas from seeds, what it sees, and bad arenas."""
+
+import math
+
+import numpy as np
+import pytest
+
+from simcompare.errors import InputError
+from simcompare.scenarios import catalogue
+from simcompare.scenarios.robot_avoid import drawing, reference, seeing, task
+from simcompare.scenarios.robot_motor import reference as motor
+
+FILE = catalogue.load("robot_avoid")
+
+
+def test_the_truth_is_that_of_an_empty_floor():
+    empty = catalogue.load("robot_motor").resolve({"voltage_V": 3.0}).parameters
+    t = np.linspace(0, 0.5, 6)
+    ours, theirs = reference.reference(FILE.resolve().parameters, t), motor.reference(empty, t)
+    assert ours.keys() == theirs.keys()
+    for name, values in theirs.items():
+        np.testing.assert_array_equal(ours[name], values)
+
+
+def test_an_arena_is_the_seed_s_and_leaves_room_for_the_robot():
+    for seed in range(30):
+        drawn = drawing.draw(np.random.default_rng(seed))
+        assert drawn == drawing.draw(np.random.default_rng(seed))
+        p = FILE.resolve(drawn).parameters
+        start = (-p["center_behind_m"], 0.0)
+        plan = drawing.Plan(p)
+        assert plan.faults(*start) == []
+        assert math.dist((0, 0), plan.goal) >= 1.0
+        # a free way from the start to the goal, on a grid of 2 cm, by filling
+        assert reaches(plan, (0.0, 0.0))
+
+
+def reaches(plan, start, cell_m=0.02):
+    todo, seen = [(round(start[0] / cell_m), round(start[1] / cell_m))], set()
+    while todo:
+        i, j = place = todo.pop()
+        x, y = i * cell_m, j * cell_m
+        if place in seen or min(plan.gaps(x, y).values()) < drawing.ROBOT_RADIUS_M:
+            continue
+        if math.dist((x, y), plan.goal) < task.GOAL_M:
+            return True
+        seen.add(place)
+        todo += [(i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)]
+    return False
+
+
+def test_gaps_are_those_to_walls_boxes_and_posts():
+    p = dict(FILE.resolve().parameters)
+    p |= {"arena_x_m": 0.0, "arena_y_m": 0.0, "arena_turn_rad": math.pi / 2}
+    p |= {"box_1_x_m": 0.5, "box_1_y_m": 0.0, "box_1_size_m": 0.2, "box_1_turn_rad": math.pi / 4}
+    p |= {"post_1_x_m": 0.0, "post_1_y_m": 0.3, "post_1_radius_m": 0.1}
+    gaps = drawing.Plan(p).gaps(0.0, 0.0)
+    # the corner of a box that is turned by 45° looks at the origin
+    assert gaps["box_1"] == pytest.approx(0.5 - 0.1 * math.sqrt(2), abs=1e-15)
+    assert gaps["post_1"] == pytest.approx(0.2, abs=1e-15)
+    assert gaps["the walls"] == 1.0
+    assert drawing.Plan(p).gaps(0.02, 0.31)["post_1"] < 0
+    assert drawing.Plan(p).gaps(0.5, 0.05)["box_1"] == pytest.approx(-0.1 + 0.05 / math.sqrt(2))
+
+
+def test_zones_share_45_degrees_from_above_left():
+    rays = seeing.zone_directions()
+    np.testing.assert_allclose(np.linalg.norm(rays, axis=1), 1, atol=1e-15)
+    x, y, z = rays[0]
+    assert math.degrees(math.atan2(y, x)) == pytest.approx(19.6875)
+    assert math.degrees(math.atan2(z, x)) == pytest.approx(19.6875)
+    x, y, z = rays[8 * 7 + 4]
+    assert math.degrees(math.atan2(y, x)) == pytest.approx(-2.8125)
+    assert math.degrees(math.atan2(z, x)) == pytest.approx(-19.6875)
+
+
+def test_rays_meet_walls_boxes_posts_and_the_floor():
+    p = dict(FILE.resolve().parameters)
+    far = {f"{name}_y_m": 2.9 for name in (*drawing.BOXES, *drawing.POSTS)}
+    given = {n: v for n, v in p.items() if n in FILE.parameters} | far
+    given |= {"arena_x_m": 0.1, "arena_y_m": 0.0, "arena_turn_rad": 0.5}
+    given |= {"box_1_x_m": 0.5, "box_1_y_m": 0.0, "box_1_size_m": 0.2, "box_1_turn_rad": 0.3}
+    given |= {"post_1_x_m": 0.0, "post_1_y_m": 0.4, "post_1_radius_m": 0.05}
+    scene = seeing.Standing(FILE.resolve(given))
+    eye, slope = np.array((0.0, 0.0, 0.06)), math.radians(-20)
+    back = (-math.cos(0.5), -math.sin(0.5), 0)
+    down = (0, math.cos(slope), math.sin(slope))
+    rays = np.array([(1, 0, 0), (0, 1, 0), down, (0, 0, 1), back])
+    found = scene.distances(eye, rays)
+    assert found[0] == pytest.approx(0.5 - 0.1 / math.cos(0.3), abs=1e-12)
+    assert found[1] == pytest.approx(0.35, abs=1e-12)
+    assert found[2] == pytest.approx(0.06 / math.sin(-slope), abs=1e-12)
+    assert found[3] == math.inf
+    # the wall behind: 1 m from the arena's middle, which is 0.1 m ahead
+    assert found[4] == pytest.approx(1 - 0.1 * math.cos(0.5), abs=1e-12)
+
+
+def frames_of(factor, true_m):
+    return seeing.RangeErrors(factor, np.random.default_rng(1)).read(true_m)[0]
+
+
+def test_an_ideal_sensor_reads_the_truth_and_a_worse_one_less_of_it():
+    true_m = np.linspace(0.1, 3.0, 64)
+    deviations, lost = [], []
+    for factor in (0.0, 1.0, 2.0):
+        errors = seeing.RangeErrors(factor, np.random.default_rng(1))
+        frames = [errors.read(true_m) for _ in range(400)]
+        ranges, valid = (np.array(part) for part in zip(*frames, strict=True))
+        lost.append(1 - valid.mean())
+        deviations.append(np.nanmean(np.nanstd(np.where(valid, ranges, np.nan), axis=0)))
+    assert (frames_of(0.0, true_m) == true_m).all()
+    assert lost[0] == 0
+    # 25600 zones: a share of 0.05 is told to 0.0014
+    assert lost[1] == pytest.approx(0.05, abs=0.006)
+    assert lost[2] == pytest.approx(0.10, abs=0.006)
+    assert deviations[2] == pytest.approx(2 * deviations[1], rel=0.03)
+    beyond, valid = seeing.RangeErrors(1.0, np.random.default_rng(1)).read(np.full(64, np.inf))
+    assert not valid.any()
+    assert (beyond == 4.0).all()
+
+
+def test_what_stands_on_the_start_or_on_the_goal_is_told_at_once():
+    given = {"box_1_x_m": 0.0, "box_1_y_m": 0.05, "post_2_x_m": 1.0, "post_2_y_m": 0.0}
+    given |= {"goal_x_m": 1.0, "goal_y_m": 0.0}
+    with pytest.raises(InputError) as caught:
+        task.Episode(FILE.resolve(given), 0.0, 10.0, np.random.default_rng(0))
+    assert len(caught.value.faults) == 2
+    assert "start at (-0.02, 0) m: box_1 is" in str(caught.value)
+    assert "goal at (1, 0) m: post_2 is -0.07 m away; expected more than 0 m" in str(caught.value)
