@@ -1,5 +1,6 @@
 """Work that a lab can be tried with: it needs no engine."""
 
+import errno
 import os
 import signal
 import time
@@ -36,6 +37,10 @@ def _broken(_):
     raise ZeroDivisionError
 
 
+def _full(_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
 def _die(_):
     os.kill(os.getpid(), signal.SIGKILL)
 
@@ -60,6 +65,7 @@ HOW = {
     "unknown": _unknown,
     "broken": _broken,
     "no number": lambda _: {"sentence": float("nan")},
+    "full": _full,
     "die": _die,
     "long": _long,
 }

@@ -19,7 +19,7 @@ HALF_A_METRE = [[10, 60], [10, 60 + lab_films.METRE_PX / 2]]
 
 def came(folder, name: str = "source.mp4", **how):
     film = lab_films.film(folder / name, **how)
-    return perform("recording", {"path": str(film), "kind": "video"})
+    return perform("film", {"path": str(film)})
 
 
 @pytest.mark.parametrize(

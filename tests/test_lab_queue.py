@@ -95,11 +95,12 @@ def test_a_waiting_job_can_be_taken_out():
     asyncio.run(withdraw())
 
 
-def test_one_worker_is_kept_free_of_long_jobs(monkeypatch):
+@pytest.mark.parametrize("kind", ["fit", "report", "film"])
+def test_one_worker_is_kept_free_of_long_jobs(monkeypatch, kind):
     class Busy(FakeDesk):
         async def do(self, task, limit_s):
             FakeDesk.done.append(task.request["name"])
-            if task.kind == "fit":
+            if task.kind == kind:
                 await asyncio.Event().wait()  # for ever
             return Ending(b"{}")
 
@@ -109,7 +110,7 @@ def test_one_worker_is_kept_free_of_long_jobs(monkeypatch):
     async def fits_and_a_run():
         waiting = Queue(print, 2)
         waiting.begin()
-        fits = [waiting.add(named(f"{group}0", "fit")) for group in "abc"]
+        fits = [waiting.add(named(f"{group}0", kind)) for group in "abc"]
         await waiting.add(named("d0")).ended.wait()
         assert [fit.state for fit in fits] == ["running", "waiting", "waiting"]
         await waiting.end()

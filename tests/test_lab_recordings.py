@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from simcompare.errors import InputError
-from simcompare.lab import recordings
+from simcompare.lab import faults, recordings
 from simcompare.lab.envelope import envelope
 from simcompare.lab.refusals import say
 from simcompare.lab.work import perform
@@ -75,6 +75,39 @@ def test_file_that_is_no_sound_is_refused_with_a_cure(tmp_path, content, said) -
     path.write_bytes(content)
     with pytest.raises(InputError, match=said):
         recordings.received(path, "sound")
+
+
+def test_a_sound_that_is_no_number_is_refused(tmp_path) -> None:
+    sound = ball()
+    sound[::7] = np.inf
+    with pytest.raises(InputError, match="holds no sound that is a number throughout"):
+        came(tmp_path, sound, subtype="FLOAT")
+
+
+@pytest.mark.parametrize(
+    ("where", "fault", "said"),
+    [
+        ("/g/source.csv", "is of no known format; name it (a, b): simcompare import x --as F", "is"
+         " of no known format"),
+        ("/g/source.csv", "line 1 of /g/source.csv: 0. Write it into map.yaml, and add --map m.",
+         "line 1 of drop.csv: 0."),
+        ("source.mp4", "has 1 picture; film a second", "drop.csv: has 1 picture; film a second"),
+        ("ball, --set", "no parameter is called x", "no parameter is called x"),
+        ("ball", "add --map", "ball: add --map"),
+    ],
+)  # fmt: skip
+def test_faults_are_told_without_places_and_advice_for_a_terminal(where, fault, said) -> None:
+    path = f"/g/source.{'mp4' if 'mp4' in where else 'csv'}"
+    request = {"folder": "/g", "path": path, "name": "drop.csv"}
+    first, *rest = faults.told(InputError(where, [fault]), request)
+    assert first == said
+    is_cut = "simcompare" in fault or "map.yaml" in fault
+    assert [one.partition(",")[0] for one in rest] == ["Send a sound as WAV or FLAC"] * is_cut
+
+
+def test_of_very_many_faults_the_first_are_told() -> None:
+    told = faults.told(InputError("x", ["is wrong"] * 5000), {})
+    assert told == ("x: is wrong",) * 20 + ("… and 4980 more",)
 
 
 def test_table_of_intervals_is_a_drop_too(tmp_path) -> None:

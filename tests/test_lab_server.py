@@ -1,6 +1,8 @@
 """The lab's server, asked as a browser asks it; a stand-in does the jobs."""
 
+import errno
 import json
+import os
 from urllib.parse import quote
 
 import pytest
@@ -11,7 +13,7 @@ pytest.importorskip("trustme", reason="the extra [web] is not installed")
 
 from starlette.testclient import TestClient
 
-from simcompare.lab import application, contents, uploads
+from simcompare.lab import application, contents, groups, uploads
 from simcompare.lab.groups import Groups
 from simcompare.lab.laboratory import Lab
 from simcompare.lab.pin import Pin
@@ -87,6 +89,7 @@ def test_a_job_is_done_and_its_result_is_kept(client):
         ("unknown", "no engine is called 'mujoko'; did you mean mujoco?"),
         ("broken", "The job failed by a mistake of the program."),
         ("no number", "The job failed by a mistake of the program."),
+        ("full", "The disk of the lab is nearly full, so nothing more is stored."),
         ("die", "The process of this job ended without an answer"),
     ],
 )
@@ -253,6 +256,33 @@ def test_a_length_that_is_none_is_refused(client, length):
     assert answer.status_code in (400, 413)
 
 
+def test_a_disk_that_becomes_full_while_a_file_comes_is_told(client, folder, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    before = files_below(folder)
+    with monkeypatch.context() as changed:
+        changed.setattr(uploads, "_write", full)
+        answer = sent(client, WAV)
+    assert (answer.status_code, answer.json()["faults"]) == (
+        507,
+        ["The disk of the lab is nearly full, so nothing more is stored."],
+    )
+    assert files_below(folder) == before
+
+
+def test_a_group_may_not_fill_the_disk_with_small_files_or_jobs(client, monkeypatch):
+    asked(client, group="Hooke")
+    monkeypatch.setattr(groups, "_MOST_KEPT", 0)
+    for answer in (
+        client.post("/api/jobs", json={"group": "Hooke", "kind": "report"}),
+        sent(client, WAV, group="Hooke"),
+    ):
+        assert answer.status_code == 507
+        (fault,) = answer.json()["faults"]
+        assert fault.startswith("The group has stored all that it may, 2 GB or 0 recordings")
+
+
 def test_a_full_disk_is_told(client, monkeypatch):
     import shutil
 
@@ -411,6 +441,12 @@ def test_results_survive_a_restart(tmp_path):
         listing = client.get("/api/groups/Kepler").json()
         assert [one["id"] for one in listing["results"]] == [told["id"]]
         assert client.get(f"/api/recordings/Kepler/{recording['id']}").json() == recording
+        # one whose file had come when the lab ended, but had not been looked at
+        (told_of,) = tmp_path.glob("kepler-*/recordings/*/recording.json")
+        told_of.unlink()
+        again = client.get(f"/api/recordings/Kepler/{recording['id']}").json()
+        assert again == {**recording, "pid": again["pid"]}
+        assert told_of.is_file()
         lost = client.get(f"/api/jobs/{'0' * 16}")
         assert lost.status_code == 404
         assert "send it once more" in lost.json()["faults"][0]

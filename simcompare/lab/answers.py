@@ -8,6 +8,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
+from simcompare.hardware import confined
 from simcompare.lab import delivery, refusals
 from simcompare.lab.refusals import Faulty, Refused, say
 
@@ -39,6 +40,12 @@ async def _of_http(request: Request, error: Exception) -> Response:
     return _faulty(request, [say(language(request), key)], error.status_code)
 
 
+async def _of_system(request: Request, error: Exception) -> Response:
+    if not confined.is_full(error):
+        raise error
+    return _faulty(request, [say(language(request), "disk_full")], 507)
+
+
 async def _wrong(request: Request, _: Exception) -> Response:
     return _faulty(request, [say(language(request), "wrong")], 500)
 
@@ -48,4 +55,10 @@ def _faulty(request: Request, sentences: list[str], status: int) -> Response:
 
 
 #: what answers each kind of error
-FAULTS: Any = {Refused: _refused, Faulty: _told, HTTPException: _of_http, Exception: _wrong}
+FAULTS: Any = {
+    Refused: _refused,
+    Faulty: _told,
+    HTTPException: _of_http,
+    OSError: _of_system,
+    Exception: _wrong,
+}

@@ -101,7 +101,7 @@ async def _add_job(request: Request) -> Response:
     lab, asked = _lab(request), await uploads.document(request)
     wish = request.query_params.get("lang") or asked.get("language")
     spoken = refusals.language_of(wish, request.headers.get("accept-language", ""))
-    job = lab.job(asked, spoken)
+    job = await lab.job(asked, spoken)
     return said(request, {"id": job.id, "place": lab.queue.place(job)}, 202)
 
 
@@ -152,13 +152,19 @@ async def _add_recording(request: Request) -> Response:
     group = await asyncio.to_thread(lab.groups.join, asked.get("group"))
     wish, name = asked.get("kind", ""), asked.get("name", "")
     upload = await uploads.recording(request, group, name, wish)
-    place = group.recording(upload.id)
-    question = {"id": upload.id, "kind": upload.kind, "path": str(upload.path), "name": upload.name}
     try:
-        answer = await _ask_about(request, group, "recording", question)
+        return await _hear(request, group, upload)
     except (Faulty, Refused):
+        place = group.recording(upload.id)
         await asyncio.to_thread(shutil.rmtree, place, ignore_errors=True)
         raise
+
+
+async def _hear(request: Request, group: Group, upload: uploads.Upload) -> Response:
+    """Finds what is in a recording, and keeps it."""
+    kind = "film" if upload.kind == contents.VIDEO else "recording"
+    question = {"id": upload.id, "kind": upload.kind, "path": str(upload.path), "name": upload.name}
+    answer = await _ask_about(request, group, kind, question)
     return await _keep_recording(request, group, upload.id, {"kind": upload.kind}, answer)
 
 
@@ -190,12 +196,13 @@ async def _keep_recording(
     return delivery.json_of(request, joined)
 
 
-def _recording(request: Request) -> Response:
+async def _recording(request: Request) -> Response:
     group = _lab(request).groups.find(request.path_params["group"])
-    place = group.recording(request.path_params["id"]) / "recording.json"
-    if not place.is_file():
-        raise Refused(404, "no_recording")
-    return delivery.json_of(request, place.read_bytes())
+    place = group.recording(request.path_params["id"])
+    found = place / "recording.json"
+    if not found.is_file():  # the lab ended before it had been looked at
+        return await _hear(request, group, uploads.kept(place))
+    return delivery.json_of(request, await asyncio.to_thread(found.read_bytes))
 
 
 # ---- groups

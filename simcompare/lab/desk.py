@@ -18,8 +18,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from simcompare.errors import InputError, SimcompareError
-from simcompare.lab import progress
+from simcompare.errors import SimcompareError
+from simcompare.hardware import confined
+from simcompare.lab import faults, progress
 from simcompare.model import whole
 from simcompare.running import guard
 
@@ -113,7 +114,7 @@ class Desk:
         except BrokenProcessPool:
             await asyncio.to_thread(self._replace)
             return Ending(fault="died")
-        # the modules of the job's function may fail in any way when they are imported
+        # what a job asks may not travel, and its function's modules may fail when imported
         except Exception:  # noqa: BLE001
             traceback.print_exc()
             return Ending(fault="broken")
@@ -164,14 +165,13 @@ def _do(perform: Perform, task: Task) -> Ending:
             return Ending()
         return Ending(_written(result))
     except SimcompareError as error:
-        return Ending(faults=_told(error, task.request))
+        return Ending(faults=faults.told(error, task.request))
     except MemoryError:
         return Ending(fault="died")
-    except OSError as error:
-        traceback.print_exc()
-        return Ending(faults=(str(error.strerror or error),))
     # engines and readers of files may raise anything; it spoils only this job
-    except (Exception, SystemExit):  # noqa: BLE001
+    except (Exception, SystemExit) as error:  # noqa: BLE001
+        if confined.is_full(error):
+            return Ending(fault="disk_full")
         traceback.print_exc()
         return Ending(fault="broken")
 
@@ -221,12 +221,3 @@ def _let_go(results: Path) -> None:
             runs += [(told.stat().st_mtime_ns, told.parent)] if summary["kind"] == "run" else []
     for _, oldest in sorted(runs)[:-_KEPT]:
         shutil.rmtree(oldest, ignore_errors=True)
-
-
-def _told(error: SimcompareError, request: Mapping[str, Any]) -> tuple[str, ...]:
-    """The sentences of an error, without the places of this machine."""
-    folder = str(request.get("folder", "\0"))
-    if not isinstance(error, InputError):
-        return (str(error).replace(folder, "").strip(),)
-    where = "" if folder in error.where else f"{error.where}: "
-    return tuple(f"{where}{fault}".replace(folder, "") for fault in error.faults)

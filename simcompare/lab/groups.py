@@ -18,6 +18,8 @@ from simcompare.model import whole
 
 #: letters of a group's name; groups; bytes of one of them; bytes that stay free on the disk
 _LONGEST, _MOST, _GROUP_BYTES, _FREE_BYTES = 60, 1000, 2 * 10**9, 500 * 10**6
+#: recordings of a group, and files that it takes home, together
+_MOST_KEPT = 500
 _KEY = re.compile(r"[a-z0-9]+(?:-[a-z0-9]+)*-[0-9a-f]{10}")
 #: names of jobs, results and recordings; names of files to take home
 _ID, _FILE = re.compile(r"[0-9a-f]{16}"), re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,120}")
@@ -80,8 +82,9 @@ class Group:
         """
         if shutil.disk_usage(self.folder).free - size < _FREE_BYTES:
             raise Refused(507, "disk_full")
-        if _size(self.folder) + size > _GROUP_BYTES:
-            raise Refused(507, "group_full", most=_GROUP_BYTES // 10**9)
+        kept = sum(len(_entries(self.folder / part)) for part in ("recordings", "files"))
+        if kept >= _MOST_KEPT or _size(self.folder) + size > _GROUP_BYTES:
+            raise Refused(507, "group_full", most=_GROUP_BYTES // 10**9, count=_MOST_KEPT)
 
     def listing(self) -> dict[str, Any]:
         """All that it has."""
@@ -151,7 +154,7 @@ class Groups:
         return next(iter(self.folder.glob(f"*/results/{result_id}")), None)
 
     def _stored(self, place: Path) -> Group | None:
-        found = _document(place / "group.json")
+        found = document(place / "group.json")
         name = found.get("name")
         return Group(place.name, name, place) if isinstance(name, str) else None
 
@@ -190,7 +193,16 @@ def _is_file(path: Path) -> bool:
 
 
 def _size(folder: Path) -> int:
-    return sum(path.lstat().st_size for path in folder.rglob("*") if _is_file(path))
+    return sum(_bytes(path) for path in folder.rglob("*"))
+
+
+def _bytes(path: Path) -> int:
+    """Of a file; 0 where it has just gone."""
+    try:
+        found = path.lstat()
+    except OSError:
+        return 0
+    return found.st_size if stat.S_ISREG(found.st_mode) else 0
 
 
 def _documents(folder: Path, name: str) -> list[dict[str, Any]]:
@@ -198,12 +210,12 @@ def _documents(folder: Path, name: str) -> list[dict[str, Any]]:
     found = [
         {**told, "id": path.name}
         for path in _entries(folder)
-        if _ID.fullmatch(path.name) and (told := _document(path / name))
+        if _ID.fullmatch(path.name) and (told := document(path / name))
     ]
     return sorted(found, key=lambda one: str(one.get("when", "")), reverse=True)
 
 
-def _document(path: Path) -> dict[str, Any]:
+def document(path: Path) -> dict[str, Any]:
     """A small stored document; empty where it is absent or damaged."""
     try:
         with whole.opened(path) as file:

@@ -15,6 +15,8 @@ from simcompare.scenarios import catalogue
 
 #: kinds of jobs that a group may ask for
 KINDS = ("run", "fit", "script", "report")
+#: most that a job stores, such as a report [bytes]
+_JOB_BYTES = 30 * 10**6
 #: what only the server says
 _OWN = ("folder", "id", "language", "kind", "group")
 
@@ -38,7 +40,7 @@ class Lab:
     code: str = ""
     _known: dict[tuple[object, ...], asyncio.Task[bytes]] = field(default_factory=dict)
 
-    def job(self, asked: dict[str, Any], language: str) -> Job:
+    async def job(self, asked: dict[str, Any], language: str) -> Job:
         """Takes in what a group asks for.
 
         Raises:
@@ -49,16 +51,16 @@ class Lab:
             raise Refused(400, "bad_kind", kind=str(kind), kinds=", ".join(KINDS))
         if not self.queue.is_open:
             raise Refused(503, "closed")
-        group = self.groups.join(asked.get("group"))
-        self._check(asked, group)
+        group = await asyncio.to_thread(self._group_for, asked)
         made = Job(group.key, Task(str(kind), {}))
         given = {name: value for name, value in asked.items() if name not in _OWN}
         request = {**given, "folder": str(group.folder), "id": made.id, "language": language}
         made.task = Task(str(kind), request, group.folder / "results" / made.id)
         return self.queue.add(made)
 
-    def _check(self, asked: dict[str, Any], group: Group) -> None:
-        """Whether all that is named is there."""
+    def _group_for(self, asked: dict[str, Any]) -> Group:
+        """The group that asks, if all that it names is there, and room for what comes of it."""
+        group = self.groups.join(asked.get("group"))
         scenario = asked.get("scenario")
         if scenario is not None and scenario not in catalogue.names():
             raise Refused(404, "bad_name", name=str(scenario))
@@ -66,6 +68,8 @@ class Lab:
             group.recording(asked["recording"])
         if asked.get("result") is not None:
             group.result(asked["result"])
+        group.make_room(_JOB_BYTES)
+        return group
 
     async def ask(self, group: str, kind: str, request: dict[str, Any]) -> bytes:
         """Has something done at once, and waits for it.

@@ -16,7 +16,7 @@ WAITING, RUNNING, DONE, FAILED = "waiting", "running", "done", "failed"
 #: jobs that one group may have waiting, and all together; jobs that are remembered
 _OF_A_GROUP, _OF_ALL, _KEPT = 20, 1000, 5000
 #: kinds of jobs that take long: one worker is kept free of them, so that sliders answer at once
-LONG = ("fit", "report")
+LONG = ("fit", "report", "film")
 #: longest time for a job [s]
 LIMIT_S = 120.0
 

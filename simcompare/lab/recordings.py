@@ -13,6 +13,7 @@ from simcompare.fitting.bounces import reading, tables
 from simcompare.fitting.bounces.bounce_models import GRAVITY
 from simcompare.fitting.bounces.impacts import Impacts
 from simcompare.lab.envelope import envelope
+from simcompare.lab.faults import for_page
 from simcompare.lab.numbers import shortened
 from simcompare.model.plain import Plain
 from simcompare.model.recording import Channel, Event, Recording
@@ -70,6 +71,8 @@ def received(path: Path, kind: str) -> Plain:
 def _of_sound(path: Path) -> Plain:
     _refuse_others(path)
     recording = import_log(path, out=path.with_name(IMPORTED))
+    if not recording.streams:
+        raise InputError(path.name, ["holds no sound that is a number throughout; record again"])
     stream = next(iter(recording.streams.values()))
     sound = _heard(recording)
     heard = _impacts(recording)
@@ -144,7 +147,7 @@ def _drop_of(path: Path, recording: Recording | None) -> Plain:
             drops = reading.from_recording(recording)
     except InputError as error:
         several = recording is not None and len(_impacts(recording)) > _FEW
-        notes = [*([_MIXED] if several else []), *map(_sentence, error.faults)]
+        notes = [*([_MIXED] if several else []), *map(_sentence, map(for_page, error.faults))]
         return {"notes": notes, "impacts": []}
     first = drops[0]
     times = [

@@ -15,7 +15,7 @@ from typing import Any
 
 from starlette.requests import ClientDisconnect, Request
 
-from simcompare.lab import contents
+from simcompare.lab import contents, groups
 from simcompare.lab.groups import Group
 from simcompare.lab.refusals import Refused
 from simcompare.model import whole
@@ -92,6 +92,19 @@ async def recording(request: Request, group: Group, name: str, wish: str) -> Upl
         size = await _write(made / upload.path.name, head, parts, contents.LARGEST[kind])
         (made / "upload.json").write_text(json.dumps(_told(upload, size)), encoding="utf-8")
     return upload
+
+
+def kept(place: Path) -> Upload:
+    """A recording that was stored before.
+
+    Raises:
+        Refused: its file is gone.
+    """
+    path = next(iter(sorted(place.glob("source.*"))), None)
+    told = groups.document(place / "upload.json")
+    if path is None or told.get("kind") not in contents.LARGEST:
+        raise Refused(404, "no_recording")
+    return Upload(place.name, told["kind"], str(told.get("name", "")), path)
 
 
 def shown(name: str) -> str:

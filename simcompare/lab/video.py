@@ -44,7 +44,7 @@ def received(path: Path) -> Plain:
     whole.write(path.with_name(TRACK), plain.text(film).encode())
     notes = ["Click two points whose distance you know, beside where the ball fell."]
     if film.is_cut:
-        notes.append(f"Only the first {film.time_s[-1]:.0f} s were looked at.")
+        notes.append(f"Only the first {film.count} pictures were looked at.")
     return {
         "kind": VIDEO, "width": film.width, "height": film.height, "pictures": film.count,
         "frame": f"data:image/jpeg;base64,{film.picture}", "notes": notes, "impacts": [],

@@ -24,8 +24,8 @@ def perform(kind: str, request: Mapping[str, Any]) -> Plain:
     """Does a job.
 
     Args:
-        kind: "scenarios", "scenario", "run", "fit", "script", "report", "recording" or "scale";
-            "warm" before the first of them.
+        kind: "scenarios", "scenario", "run", "fit", "script", "report", "recording", "film"
+            or "scale"; "warm" before the first of them.
         request: what the page asks, with what the server adds to it.
 
     Returns:
@@ -68,9 +68,12 @@ def _scenario(asked: Asked) -> Plain:
 
 
 def _recording(asked: Asked) -> Plain:
-    path = Path(asked.text("path"))
-    kind = asked.one_of("kind", (recordings.SOUND, recordings.VIDEO, recordings.TABLE))
-    return video.received(path) if kind == recordings.VIDEO else recordings.received(path, kind)
+    kind = asked.one_of("kind", (recordings.SOUND, recordings.TABLE))
+    return recordings.received(Path(asked.text("path")), kind)
+
+
+def _film(asked: Asked) -> Plain:
+    return video.received(Path(asked.text("path")))
 
 
 def _scale(asked: Asked) -> Plain:
@@ -90,5 +93,6 @@ _KINDS: Mapping[str, Callable[[Asked], Plain]] = {
     "script": takeaways.script,
     "report": takeaways.report,
     "recording": _recording,
+    "film": _film,
     "scale": _scale,
 }

@@ -1,0 +1,52 @@
+"""Faults of a job as a page tells them: no places of this machine, no advice for a terminal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from simcompare.errors import InputError, SimcompareError
+from simcompare.lab.refusals import say
+
+#: what only a command line understands, and where a part of a fault ends
+_COMMAND = re.compile(r"\bsimcompare [a-z]|(?<!\w)--[a-z]|SIMCOMPARE_|\bmap\.yaml")
+_END = re.compile(r"(?<=[;.]) ")
+#: faults that are told; whoever made so many made most of them the same way
+_TOLD = 20
+
+
+def told(error: SimcompareError, request: Mapping[str, Any]) -> tuple[str, ...]:
+    """The sentences of an error.
+
+    Args:
+        error: why a job failed.
+        request: what was asked; its "folder" and "path" are places of this machine, and "name" is
+            what a student calls the file.
+    """
+    if not isinstance(error, InputError):
+        return (_without_places(str(error), request).strip(),)
+    folder = str(request.get("folder", "\0"))
+    where = "" if folder in error.where or _COMMAND.search(error.where) else f"{error.where}: "
+    given = [f"{where}{fault}" for fault in error.faults[:_TOLD]]
+    faults = [for_page(fault) for fault in given]
+    if faults != given and "path" in request:
+        faults.append(say(str(request.get("language", "en")), "send_another"))
+    if len(error.faults) > _TOLD:
+        faults.append(f"… and {len(error.faults) - _TOLD} more")
+    return tuple(_without_places(fault, request) for fault in faults)
+
+
+def for_page(text: str) -> str:
+    """A fault without its parts that only a command line understands, if anything is left then."""
+    parts = [part for part in _END.split(text) if not _COMMAND.search(part)]
+    return " ".join(parts).rstrip(";") or text
+
+
+def _without_places(text: str, request: Mapping[str, Any]) -> str:
+    path, folder = str(request.get("path", "\0")), str(request.get("folder", "\0"))
+    name = str(request.get("name") or Path(path).name)
+    for place, shown in ((path, name), (Path(path).name, name), (folder, "")):
+        text = text.replace(place, shown)
+    return text
