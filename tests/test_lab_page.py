@@ -270,6 +270,25 @@ def test_a_phone_shows_it_all_without_scrolling_sideways(address: str, browser: 
         assert page.ask(SMALL, 11) == []
 
 
+@pytest.mark.parametrize("size_px", [(1400, 900), (400, 800)])
+def test_the_curve_is_in_sight_while_an_engines_own_value_is_moved(
+    address: str, browser: Browser, size_px: tuple[int, int]
+) -> None:
+    with browser(size_px=size_px) as page:
+        _begin(page, address)
+        page.click("#expert")
+        page.ask("() => document.querySelectorAll('details').forEach((one) => (one.open = true))")
+        page.focus("#contact-values details:last-child input[type=range]")
+        shown = "(s) => document.querySelector(s).getBoundingClientRect().toJSON()"
+        curve, slider = page.ask(shown, "#curve"), page.ask(shown, ":focus")
+        assert curve["top"] >= -1
+        assert curve["bottom"] <= size_px[1]
+        assert 0 <= slider["top"] < size_px[1]
+        # on a phone it stands above the slider, and does not cover it
+        is_beside = slider["right"] <= curve["left"]
+        assert is_beside or curve["bottom"] <= slider["top"]
+
+
 # ---- a real ball
 
 
@@ -380,6 +399,46 @@ def test_a_file_is_heard_struck_and_fitted(page: Page, address: str, sound: Path
             assert answer.read()
 
 
+def test_a_table_of_bounces_is_fitted(page: Page, address: str, tmp_path: Path) -> None:
+    rows = [f"{n},{0.5 * 0.8**n:.6f}" for n in range(1, 8)]
+    (tmp_path / "flights.csv").write_text("\n".join(["Bounce,Time interval (s)", *rows]))
+    _begin(page, address)
+    page.send_file("#file", tmp_path / "flights.csv")
+    page.until("() => document.querySelector('#restitution').innerText.includes('0.8000')")
+    assert page.ask("() => document.querySelector('#wave-figure').hidden")
+    page.click("#fit")
+    page.until("() => document.querySelector('#fit-table table')")
+    assert FAST in page.text("#fit-table")
+
+
+def test_a_ball_is_held_against_falling_balls_alone(page: Page, address: str, sound: Path) -> None:
+    _begin(page, address, "?scenario=sliding_block")
+    page.send_file("#file", sound)
+    # the page turns to the ball, which falls as high as the real one
+    page.until("() => document.querySelector('#scores').innerText.includes('your ball')")
+    assert page.ask("() => document.querySelector('#scenario').value") == "ball"
+    assert _value(page, 0) == pytest.approx(0.5, rel=0.01)
+    assert _value(page, 1) == pytest.approx(0.75, rel=1e-3)
+    names = page.ask("() => document.querySelector('#curve').data.map((one) => one.name)")
+    assert names[-1] == "your ball"
+    page.ask(
+        "() => { const one = document.querySelector('#scenario'); one.value = 'sliding_block';"
+        " one.dispatchEvent(new Event('change')); }"
+    )
+    page.until(DONE)
+    assert "your ball" not in page.text("#scores")
+    assert page.text("#drop-head") == "Sliding block"
+
+
+def test_only_engines_that_have_a_script_are_offered_for_one(page: Page, address: str) -> None:
+    _begin(page, address)
+    page.click("#engines input[value=box2d]")
+    page.until(DONE)
+    page.until("() => document.querySelector('#scores').innerText.includes('box2d')")
+    options = "() => [...document.querySelectorAll('#take-engine option')].map((one) => one.value)"
+    assert page.ask(options) == [FAST]
+
+
 def test_a_film_is_scaled_by_keys_and_tracked(page: Page, address: str, tmp_path: Path) -> None:
     pytest.importorskip("cv2", reason="films need OpenCV: pip install 'simcompare[web]'")
     _begin(page, address)
@@ -391,16 +450,23 @@ def test_a_film_is_scaled_by_keys_and_tracked(page: Page, address: str, tmp_path
     # the points begin half a picture apart
     page.put("#metres", lab_films.HEIGHT / 2 / lab_films.METRE_PX)
     page.click("#scale-form button")
-    page.until("() => document.querySelectorAll('#impacts input').length > 2")
+    page.until("() => document.querySelectorAll('#impacts span').length > 2")
+    # impacts of a film follow from its flights: none can be struck out
+    assert not page.ask("() => document.querySelectorAll('#impacts input').length")
     said = re.search(r"0\.\d+", page.text("#restitution"))
     assert said is not None
     # two pictures of a second with 60 are 1 % of the time of three flights
     assert float(said[0]) == pytest.approx(0.8, rel=0.02)
 
 
-def test_what_is_no_recording_is_refused_in_words(page: Page, address: str, tmp_path: Path) -> None:
+def test_what_is_no_recording_is_refused_in_words(
+    page: Page, address: str, tmp_path: Path, sound: Path
+) -> None:
     (tmp_path / "ball.wav").write_bytes(b"\x7fELF\x00\x01")
     _begin(page, address)
+    # nothing of a recording from before stands under the refusal
+    page.send_file("#file", sound)
+    page.until("() => document.querySelector('#impacts input')")
     page.send_file("#file", tmp_path / "ball.wav")
     page.until("() => !document.querySelector('#real-faults').hidden")
     assert len(page.text("#real-faults")) > 20

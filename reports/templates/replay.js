@@ -72,7 +72,10 @@ const Replay = (() => {
     }
     // one box to tick for each source of the level; what was hidden stays hidden
     list() {
-      const list = this.box.querySelector(".sources"), off = new Set([...list.querySelectorAll("input")].filter((one) => !one.checked).map((one) => one.value));
+      const list = this.box.querySelector(".sources"), last = [...list.querySelectorAll("input")];
+      const off = new Set(last.filter((one) => !one.checked).map((one) => one.value));
+      // the same boxes stay, so that a key that is on one of them stays there
+      if (last.map((one) => one.value).join() === this.candidates.map((actor) => actor.label).join()) return this.draw();
       list.replaceChildren(...this.candidates.map((actor) => {
         const label = document.createElement("label"), input = document.createElement("input"), swatch = document.createElement("span");
         Object.assign(input, { type: "checkbox", value: actor.label, checked: !off.has(actor.label) });

@@ -12,6 +12,9 @@ from simcompare.reports.run import runs
 from simcompare.reports.run.lead import lead_of
 from simcompare.results.run import Run
 
+#: from here on three digits would be written with a power of ten
+_PLAIN = 999.5
+
 
 def of_truth(result: Run) -> list[dict[str, Any]]:
     """The leading measure of every source that has one, beside its truth."""
@@ -58,9 +61,14 @@ def of_recording(result: Run, drop: Mapping[str, Any]) -> list[dict[str, Any]]:
             found.append({
                 "source": name, "level": level, "misfit_mm": shortened(misfit_mm),
                 "value": shortened(value), "truth": drop["middle"],
-                "text": f"{misfit_mm:.3g} mm from your ball; {said}",
+                "text": f"{_short(misfit_mm)} mm from your ball; {said}",
             })  # fmt: skip
     return found
+
+
+def _short(value: float) -> str:
+    """Three digits, and never a power of ten: 2830, not 2.83e+03."""
+    return f"{value:.3g}" if value < _PLAIN else f"{value:.0f}"
 
 
 def by_bounce(result: Run, name: str, level: str, measure: str) -> dict[int, float]:

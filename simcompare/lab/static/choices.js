@@ -67,7 +67,7 @@ export class Choices {
     return { scenario: this.scenario.name, engines: this.engines, levels: this.levels, parameters: this.parameters, contact: this.contact };
   }
   /** Takes values of parameters, such as those of a real ball. */
-  take(values) { this.sliders.filter((one) => one.name in values).forEach((one) => one.put(values[one.name])); }
+  take(values) { this.sliders.filter((one) => one.name in values).forEach((one) => one.put(Math.min(Math.max(values[one.name], one.min), one.max))); }
   /** Puts fitted values into an engine's sliders. */
   takeOver(engine, values) {
     const hand = this.hands.get(engine);

@@ -2,8 +2,8 @@
 import { Choices } from "/static/choices.js";
 import { Latest, settled } from "/static/latest.js";
 import { byId, links, say, table, tick } from "/static/parts.js";
+import { BY_HAND, curves, flights } from "/static/pictures.js";
 import { Published } from "/static/published.js";
-import { BY_HAND, curves } from "/static/pictures.js";
 import { get, job, Refused } from "/static/server.js";
 import { words } from "/static/words.js";
 
@@ -13,7 +13,7 @@ const isStill = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class Drop {
   constructor(group) {
-    Object.assign(this, { group, recording: null, level: "", isSame: false });
+    Object.assign(this, { group, heard: null, level: "", isSame: false });
     this.replay = new Replay(byId("replay"));
     this.latest = new Latest((wish) => this.run(wish));
     const sketch = settled(() => this.ask(false, true), SETTLED_MS), whole = settled(() => this.ask(false), RESTED_MS);
@@ -41,12 +41,17 @@ export class Drop {
     await this.open(name, preset);
     say(byId("notice"), !scenario || name === scenario ? [] : [words("drop.no_scenario", { name: scenario, names: all.map((one) => one.name).join(", ") })]);
   }
+  /** What was recorded, where the scenario is that of a ball that is dropped. */
+  get recording() { return this.choices.scenario?.can_fit ? this.heard?.id : undefined; }
   async open(name, preset = "") {
     try {
       const scenario = { name, ...await get(`/api/scenarios/${encodeURIComponent(name)}`) };
       byId("scenario").value = name;
+      const isDrop = scenario.parameters.some((one) => one.name.startsWith("drop_"));
+      byId("drop-head").textContent = isDrop ? words("drop.title") : scenario.title;
       byId("question").textContent = scenario.question;
-      byId("go").textContent = words(scenario.parameters.some((one) => one.name.startsWith("drop_")) ? "drop.go" : "drop.go_other");
+      byId("go").textContent = words(isDrop ? "drop.go" : "drop.go_other");
+      this.clear();
       this.isSame = false;
       this.choices.show(scenario);
       this.published.show(scenario.published);
@@ -57,6 +62,21 @@ export class Drop {
     } catch (error) {
       this.refuse(error);
     }
+  }
+  // nothing of another scenario stays in sight while the engines run
+  clear() {
+    byId("answer").textContent = "";
+    byId("scores").replaceChildren();
+    document.querySelector(".side").hidden = byId("take").hidden = byId("shown-level").hidden = true;
+  }
+  /** Takes what was recorded of a ball, and drops it as high in the engines. */
+  async hear(recording) {
+    this.heard = recording;
+    if (!this.choices.scenario.can_fit) await this.open(byId("scenario").dataset.first);
+    this.published.choose("");
+    const { drop_height_m, middle } = recording.drop ?? {};
+    this.choices.take({ ...(drop_height_m && { drop_height_m }), ...(middle && { restitution: middle }) });
+    this.ask(false);
   }
   /** The address opens what is chosen now. */
   address() {
@@ -98,6 +118,7 @@ export class Drop {
   }
   async show(result, { isPlayed, isPart, job: asked }) {
     this.result = result;
+    document.querySelector(".side").hidden = false;
     if (isPart) return this.draw(result);
     byId("answer").textContent = result.sentence;
     this.tabs([...new Set(result.curves.map((one) => one.level).filter(Boolean))]);
@@ -134,7 +155,7 @@ export class Drop {
       list.selectedIndex = place;
       list.dispatchEvent(new Event("change"));
     }
-    return curves(byId("curve"), this.result, level);
+    return curves(byId("curve"), this.result, level, this.recording && flights(this.heard));
   }
   tables({ table: values, scores }) {
     const found = [], { published, recording } = this.asked ?? {};
@@ -145,10 +166,11 @@ export class Drop {
   // what can be taken home: the script of an engine
   offer(asked) {
     this.asked = asked;
-    const choice = byId("take-engine"), last = choice.value, names = [...choice.options].map((one) => one.value);
-    byId("take").hidden = false;
-    if (names.join() === asked.engines.join()) return;
-    choice.replaceChildren(...asked.engines.map((one) => new Option(one, one, false, one === last)));
+    const choice = byId("take-engine"), last = choice.value;
+    const able = this.choices.scenario.engines.filter((one) => one.script && asked.engines.includes(one.name)).map((one) => one.name);
+    byId("take").hidden = !able.length;
+    if ([...choice.options].map((one) => one.value).join() === able.join()) return;
+    choice.replaceChildren(...able.map((one) => new Option(one, one, false, one === last)));
   }
   async takeHome() {
     try {

@@ -1,23 +1,28 @@
 // a real ball: record or send it, see its impacts, fit all engines to it
 import { byId, links, make, say, table } from "/static/parts.js";
-import { bounces, levelName } from "/static/pictures.js";
+import { BY_HAND, bounces, levelName } from "/static/pictures.js";
 import { Recorder } from "/static/recorder.js";
 import { get, job, post, Refused, upload } from "/static/server.js";
 import { Scale } from "/static/video.js";
 import { Waveform } from "/static/waveform.js";
 import { words } from "/static/words.js";
 
+const FITTED = "fitted";
+const misfit = (scores, name, level) => scores.find((one) => one.source === name && one.level === level)?.misfit_mm;
 const KINDS = { audio: "sound", video: "video" };
 const kindOf = (file) => KINDS[file.type.split("/")[0]] ?? "table";
 
 const short = (value) => (typeof value === "number" ? String(Number(value.toPrecision(3))) : "–");
-const told = (values) => Object.entries(values).map(([name, value]) => `${name} ${Number(value.toPrecision(4))}`).join(", ");
+const four = (value) => (typeof value === "number" ? String(Number(value.toPrecision(4))) : "–");
+const told = (values) => Object.entries(values).map(([name, value]) => `${name} ${four(value)}`).join(", ");
 
-// how far the student's hand was
-function studentTable(rows) {
+// how far the student's hand was: from the ball, and from the values that fit
+function studentTable({ student: rows, scores }) {
   if (!rows?.length) return [];
-  const unit = (one) => (one.unit === "1" ? "" : one.unit);
-  return [table({ title: words("hand.far"), head: [words("drop.engine"), words("hand.value"), words("hand.yours"), words("hand.fitted")], rows: rows.map((one) => [one.engine, one.name, `${one.yours} ${unit(one)}`, `${one.fitted ?? "–"} ${unit(one)}`]) })];
+  const unit = (one) => (one.unit === "1" ? "" : one.unit), off = (name, level) => short(misfit(scores, name, level));
+  const names = [...new Set(rows.map((one) => one.engine))];
+  const said = names.map((engine) => words("hand.far_mm", { engine, yours: off(engine, BY_HAND), fitted: off(engine, FITTED) }));
+  return [...said.map((textContent) => make("p", { textContent })), table({ title: words("hand.far"), head: [words("drop.engine"), words("hand.value"), words("hand.yours"), words("hand.fitted")], rows: rows.map((one) => [one.engine, one.name, `${four(one.yours)} ${unit(one)}`, `${four(one.fitted)} ${unit(one)}`]) })];
 }
 
 export class Real {
@@ -67,8 +72,15 @@ export class Real {
   }
   file(file) { return this.send(file.name, kindOf(file), file); }
   async send(name, kind, blob, notes = []) {
+    this.forget();
     this.state(words("real.sending"));
     await this.show(await upload(this.group(), name, kind, blob), notes);
+  }
+  // what was sent before is no longer what the page speaks of
+  forget() {
+    this.recording = this.drop.heard = null;
+    byId("heard").hidden = true;
+    this.scale.hide();
   }
   async again(id) { await this.show(await get(`/api/recordings/${encodeURIComponent(this.group())}/${encodeURIComponent(id)}`)); }
   async measure(scale) {
@@ -77,18 +89,19 @@ export class Real {
   }
   async show(recording, notes = []) {
     this.recording = recording;
-    const { impacts = [], faults = [], frame } = recording;
+    const { impacts = [], faults = [], drop, frame } = recording, count = impacts.length;
     say(byId("real-faults"), faults);
     if (frame) this.scale.show(recording);
     else this.scale.hide();
-    byId("heard").hidden = !impacts.length;
+    byId("heard").hidden = !count && !drop;
     byId("fitted").hidden = true;
-    this.state([...notes, ...(frame ? [] : [words("real.heard", { count: impacts.length })]), ...(recording.notes ?? [])].join(" "));
-    if (!impacts.length) return;
-    this.drop.recording = recording.id;
-    this.drop.published.choose("");
+    this.state([...notes, ...(frame ? [] : [count || !drop ? words("real.heard", { count }) : words("real.of_bounces", { count: drop.count })]), ...(recording.notes ?? [])].join(" "));
+    if (!count && !drop) return;
     await this.waveform.show(recording);
-    this.tell(recording.drop?.middle);
+    this.tell(drop?.middle);
+    if (!drop) return;
+    byId("real-state").append(` ${words("real.taken")}`);
+    await this.drop.hear(recording);
   }
   // how the ball bounces: as the lab found it, or after a strike by the impacts that are left
   tell(found = this.middle()) {
@@ -103,21 +116,27 @@ export class Real {
   }
   async fit(published = null) {
     this.state(words("real.fitting"));
+    if (!published && !this.drop.choices.scenario.can_fit) await this.drop.hear(this.recording);
     const { engines, contact, scenario } = this.drop.choices.wish, group = this.group();
-    const source = published ? { published: published.name } : { recording: this.recording.id, struck: [...this.waveform.struck] };
+    const source = published ? { published: published.name } : { recording: this.recording.id, struck: this.recording.wave ? [...this.waveform.struck] : [] };
     const asked = { group, scenario, engines, contact, ...source };
-    const result = await job({ ...asked, kind: "fit" }, ({ progress }) => this.state(words("real.fitting_part", { percent: Math.round(100 * (progress ?? 0)) })));
-    this.state("");
+    let begin;
+    const result = await job({ ...asked, kind: "fit" }, ({ state, place }) => {
+      if (state === "waiting") return this.state(words("drop.waiting", { place }));
+      begin ??= Date.now();
+      this.state(words("real.fitting_since", { time: Math.round((Date.now() - begin) / 1000) }));
+    });
+    this.state((result.notes ?? []).join(" "));
     await (published ? this.seen(result, asked) : this.fitted(result, asked));
     return result;
   }
   async fitted(result, asked) {
     byId("fitted").hidden = false;
     byId("fit-answer").textContent = result.sentence;
-    say(byId("real-faults"), [...(result.notes ?? []), ...(result.missing ?? [])]);
+    say(byId("real-faults"), result.missing ?? []);
     await bounces(byId("bounces"), result.bounces);
     byId("fit-table").replaceChildren(this.table(result));
-    byId("student").replaceChildren(...studentTable(result.student));
+    byId("student").replaceChildren(...studentTable(result));
     byId("files").replaceChildren(...links(asked.group, result.files));
     byId("home").replaceChildren(...["script", "report"].map((kind) => this.home(kind, { ...asked, kind, result: result.id })));
     await this.seen(result, asked);
@@ -125,16 +144,15 @@ export class Real {
   async seen(result, asked) {
     this.drop.choices.take(result.parameters);
     this.drop.level = result.engines[0]?.level ?? "";
-    await this.drop.show({ ...result, scores: [] }, { isPlayed: false, job: { ...asked, result: result.id, parameters: result.parameters } });
+    await this.drop.show(result, { isPlayed: false, job: { ...asked, result: result.id, parameters: result.parameters } });
     document.dispatchEvent(new Event("stored"));
   }
   // each engine's values, and how far it was off before and after
   table({ engines, scores }) {
     const levels = [...new Set(scores.map((one) => one.level))];
-    const off = (name, level) => scores.find((one) => one.source === name && one.level === level)?.misfit_mm;
     return table({
       title: words("real.table"), head: [words("drop.engine"), words("real.values"), ...levels.map((one) => `${levelName(one)} (mm)`)],
-      rows: engines.map((one) => [one.name, told(one.values), ...levels.map((level) => short(off(one.name, level)))]),
+      rows: engines.map((one) => [one.name, told(one.values), ...levels.map((level) => short(misfit(scores, one.name, level)))]),
     });
   }
   // makes a file that can be taken home
@@ -144,8 +162,7 @@ export class Real {
       button.disabled = true;
       try {
         const { files, missing = [] } = await job(asked);
-        byId("files").append(...links(asked.group, files));
-        say(byId("real-faults"), missing);
+        byId("files").append(...links(asked.group, files), ...missing.map((textContent) => make("li", { textContent })));
         document.dispatchEvent(new Event("stored"));
       } finally {
         button.disabled = false;
@@ -157,12 +174,12 @@ export class Real {
   fitForMe() {
     const box = byId("hand-result");
     const published = this.drop.published.chosen;
-    if (!this.drop.recording && !published) box.replaceChildren(words("hand.no_recording"));
+    if (!this.recording && !published) box.replaceChildren(words("hand.no_recording"));
     else if (!Object.keys(this.drop.choices.contact).length) box.replaceChildren(words("hand.no_hand"));
     else this.try(async () => {
       box.replaceChildren(words("real.fitting"));
       const result = await this.fit(published);
-      box.replaceChildren(...studentTable(result.student));
+      box.replaceChildren(...studentTable(result));
       say(byId("drop-faults"), result.missing ?? []);
       result.engines.forEach((one) => this.drop.choices.takeOver(one.name, one.values));
     });

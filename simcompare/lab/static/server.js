@@ -1,7 +1,8 @@
 // all that is asked of the server; what it refuses comes as sentences
 import { language, words } from "/static/words.js";
 
-const WAIT_S = 10;
+// so long one question waits for an answer: the page tells in between how far it is
+const WAIT_S = 2;
 
 /** What was refused, in sentences. */
 export class Refused extends Error {

@@ -21,7 +21,7 @@ export class Slider {
     this.wrong = make("span", { className: "wrong", hidden: true, id: `${id}-wrong` });
     this.number.setAttribute("aria-describedby", this.wrong.id);
     this.wrong.setAttribute("role", "alert");
-    const bounds = make("p", { className: "small" }, make("span", { textContent: min }), make("span", { textContent: `${max} ${unit}` }));
+    const bounds = make("p", { className: "small" }, make("span", { textContent: `${min} ${unit}` }), make("span", { textContent: `${max} ${unit}` }));
     this.box = make("div", { className: "slider" },
       make("div", { className: "top" }, make("label", { htmlFor: id, textContent: quantity(name, unit) }), make("span", {}, this.number, ` ${unit}`)),
       this.range, bounds, this.wrong, make("p", { className: "small what", textContent: text }));
