@@ -75,10 +75,11 @@ const Replay = (() => {
       const list = this.box.querySelector(".sources"), last = [...list.querySelectorAll("input")];
       const off = new Set(last.filter((one) => !one.checked).map((one) => one.value));
       // the same boxes stay, so that a key that is on one of them stays there
-      if (last.map((one) => one.value).join() === this.candidates.map((actor) => actor.label).join()) return this.draw();
+      if (last.map((one) => one.value + one.dataset.colour).join() === this.candidates.map((actor) => actor.label + actor.colour).join()) return this.draw();
       list.replaceChildren(...this.candidates.map((actor) => {
         const label = document.createElement("label"), input = document.createElement("input"), swatch = document.createElement("span");
         Object.assign(input, { type: "checkbox", value: actor.label, checked: !off.has(actor.label) });
+        input.dataset.colour = actor.colour;
         input.addEventListener("change", () => this.draw());
         swatch.className = "dot";
         swatch.style.background = actor.colour;

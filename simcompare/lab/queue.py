@@ -96,12 +96,12 @@ class Queue:
         return len(self._waiting)
 
     def add(self, job: Job) -> Job:
-        """Takes a job in.
+        """Takes a job in; one of no group, as pages need it to open, also while it is closed.
 
         Raises:
             Refused: the queue is closed, or too many wait already.
         """
-        if not self.is_open:
+        if not self.is_open and job.group:
             raise Refused(503, "closed")
         own = sum(other.group == job.group for other in self._waiting)
         if own >= _OF_A_GROUP or len(self._waiting) >= _OF_ALL:

@@ -5,6 +5,9 @@ const byId = (id) => document.getElementById(id);
 const language = document.documentElement.lang;
 let pin = "";
 let isOpen = true;
+// what stands on the page now, and the kind of job of which there is one for each touch of a slider
+let shown = "";
+const RUN = "run";
 
 async function ask(path, options = {}) {
   const headers = { "X-Pin": pin, "Accept-Language": language, ...(options.headers || {}) };
@@ -27,7 +30,7 @@ function link(group, file) {
 
 function rowOf(group, result) {
   const row = document.createElement("tr");
-  row.append(made("td", new Date(result.when).toLocaleTimeString(language)), made("td", result.kind));
+  row.append(made("td", new Date(result.when).toLocaleTimeString(language)), made("td", words[`teacher_${result.kind}`]));
   const cell = made("td", result.sentence || "");
   for (const name of result.files || []) cell.append(" ", link(group, name));
   row.append(cell);
@@ -36,12 +39,26 @@ function rowOf(group, result) {
 
 function sectionOf(group) {
   const section = document.createElement("section");
-  const counts = `${words.teacher_results}: ${group.results.length}, ${words.teacher_recordings}: ${group.recordings.length}`;
+  const runs = group.results.filter((one) => one.kind === RUN).length;
+  const counts = `${words.teacher_recordings}: ${group.recordings.length}, ${words.teacher_runs}: ${runs}`;
   section.append(made("h3", group.name), made("p", counts));
   const table = document.createElement("table");
-  for (const result of group.results) table.append(rowOf(group, result));
+  for (const result of group.results.filter((one) => one.kind !== RUN)) table.append(rowOf(group, result));
   section.append(table);
   return section;
+}
+
+// who recorded or made something, the latest first; then who has only looked
+function showGroups(groups) {
+  const now = JSON.stringify(groups);
+  if (now === shown) return; // a link that is about to be clicked stays where it is
+  shown = now;
+  const own = (group) => [...group.recordings, ...group.results.filter((one) => one.kind !== RUN)];
+  const latest = (group) => own(group).map((one) => String(one.when)).sort().at(-1);
+  const active = groups.filter((one) => own(one).length).sort((a, b) => latest(b).localeCompare(latest(a)));
+  const others = groups.filter((one) => !own(one).length).map((one) => one.name);
+  const rest = others.length ? [made("p", `${words.teacher_only} ${others.join(", ")}`)] : [];
+  byId("groups").replaceChildren(...active.map(sectionOf), ...rest);
 }
 
 function showQueue(told) {
@@ -54,7 +71,7 @@ function showQueue(told) {
 async function show() {
   const told = await ask("/api/teacher");
   showQueue(told);
-  byId("groups").replaceChildren(...told.groups.map(sectionOf));
+  showGroups(told.groups);
   byId("enter").hidden = true;
   byId("inside").hidden = false;
 }
