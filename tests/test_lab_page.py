@@ -397,6 +397,12 @@ def test_a_file_is_heard_struck_and_fitted(page: Page, address: str, sound: Path
     for link in links:
         with urllib.request.urlopen(link, timeout=60) as answer:
             assert answer.read()
+    # also after the page was closed, and the lab was started anew
+    _begin(page, address)
+    page.click("#stored button")
+    page.until("() => document.querySelector('#fit-table').innerText.includes('elasticity')")
+    assert page.ask("() => document.querySelectorAll('#impacts input').length") > 4
+    assert "fitted" in page.text("#shown-level")
 
 
 def test_a_table_of_bounces_is_fitted(page: Page, address: str, tmp_path: Path) -> None:

@@ -26,9 +26,16 @@ async function stored(real) {
   const results = (found?.results ?? []).filter((one) => one.kind === "fit"), files = found?.files ?? [];
   byId("results").hidden = !results.length && !files.length;
   byId("stored").replaceChildren(
-    ...results.map((one) => make("li", {}, `${new Date(one.when).toLocaleString(language)}: ${one.sentence}`)),
+    ...results.map((one) => made(one, real)),
     ...links(group(), files));
   real.offer(found?.recordings ?? []);
+}
+
+// a fit of before, which can be looked at again
+function made(one, real) {
+  const button = make("button", { type: "button", textContent: words("results.show") });
+  button.addEventListener("click", () => real.try(() => real.reopen(one)));
+  return make("li", {}, `${new Date(one.when).toLocaleString(language)}: ${one.sentence} `, button);
 }
 
 async function share() {

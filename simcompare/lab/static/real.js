@@ -83,11 +83,23 @@ export class Real {
     this.scale.hide();
   }
   async again(id) { await this.show(await get(`/api/recordings/${encodeURIComponent(this.group())}/${encodeURIComponent(id)}`)); }
+  /** Shows a fit that was stored, with its recording. */
+  async reopen({ id, recording }) {
+    const group = this.group(), of = encodeURIComponent(group);
+    const [heard, { request, result }] = await Promise.all([get(`/api/recordings/${of}/${recording}`), get(`/api/results/${of}/${id}`)]);
+    const { scenario, engines, contact = {}, struck = [] } = request;
+    this.drop.heard = heard;
+    if (this.drop.choices.scenario.name !== scenario) await this.drop.open(scenario);
+    await this.show(heard, [], false);
+    struck.filter((i) => !this.waveform.struck.has(i)).forEach((i) => this.waveform.strike(i));
+    await this.fitted({ ...result, id }, { group, recording, scenario, engines, contact, struck });
+    byId("real").scrollIntoView();
+  }
   async measure(scale) {
     this.state(words("real.sending"));
     await this.show({ ...this.recording, ...await post(`/api/recordings/${this.recording.id}/scale?group=${encodeURIComponent(this.group())}`, scale), frame: null });
   }
-  async show(recording, notes = []) {
+  async show(recording, notes = [], isDropped = true) {
     this.recording = recording;
     const { impacts = [], faults = [], drop, frame } = recording, count = impacts.length;
     say(byId("real-faults"), faults);
@@ -99,7 +111,7 @@ export class Real {
     if (!count && !drop) return;
     await this.waveform.show(recording);
     this.tell(drop?.middle);
-    if (!drop) return;
+    if (!drop || !isDropped) return;
     byId("real-state").append(` ${words("real.taken")}`);
     await this.drop.hear(recording);
   }
