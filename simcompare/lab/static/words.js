@@ -11,7 +11,7 @@ export function words(key, values = {}) {
 
 /** The name of a parameter in words; its unit stands beside the number. */
 export function quantity(name, unit = "") {
-  const ending = `_${unit.replace(/²/g, "2").replace(/³/g, "3").replace(/[/·*^]/g, "_")}`;
+  const ending = `_${unit.replace(/²/g, "2").replace(/³/g, "3").replace("Ω", "Ohm").replace(/[/·*^]/g, "_")}`;
   const stem = unit && name.endsWith(ending) ? name.slice(0, -ending.length) : name.replace(/_(m|kg|s|rad|m_s2|kg_m3|n_m|hz|deg)$/, "");
   return texts.quantities[stem] ?? stem.replaceAll("_", " ");
 }
