@@ -11,6 +11,7 @@ from typing import Any
 
 from simcompare.engine import engines
 from simcompare.errors import InputError, UnknownName
+from simcompare.glossary import LANGUAGES
 from simcompare.hardware.recordings import published
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.scenarios import catalogue
@@ -63,6 +64,11 @@ class Asked:
         if value not in known:
             raise UnknownName(key, value, known)
         return value
+
+    @property
+    def language(self) -> str:
+        """The language of the page."""
+        return self.one_of("language", LANGUAGES, LANGUAGES[0])
 
     def text(self, key: str, otherwise: str | None = None) -> str:
         """A text."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+from collections.abc import Callable
 from typing import Any
 
 from simcompare import glossary
@@ -10,6 +12,7 @@ from simcompare.engine import by_hand, engines
 from simcompare.engine.contacts import touching_pairs
 from simcompare.errors import SimcompareError
 from simcompare.lab import published
+from simcompare.lab.translation import translated
 from simcompare.model.plain import Plain
 from simcompare.model.settings import CONTACT_LEVELS
 from simcompare.scenarios import catalogue
@@ -17,35 +20,37 @@ from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs.show import ScenarioFacts, show
 
 
-def scenarios() -> Plain:
+def scenarios(language: str) -> Plain:
     """Every scenario of the catalogue that can be run, by name."""
+    of = functools.partial(translated, language=language)
     found = []
     for name in catalogue.names():
         scene = catalogue.load(name).resolve()
-        found.append({"name": name, "title": scene.title, "question": scene.question})
+        found.append({"name": name, "title": of(scene.title), "question": of(scene.question)})
     return {"scenarios": found}
 
 
 def scenario(name: str, language: str) -> Plain:
     """All that the page shows of one of them before it is run."""
     shown, file = show(name), catalogue.load(name)
-    bounces = _bounces(file)
+    bounces, of = _bounces(file), functools.partial(translated, language=language)
     return {
         "name": shown.name,
-        "title": shown.title,
-        "question": shown.question,
+        "title": of(shown.title),
+        "question": of(shown.question),
         "parameters": [
-            {"name": key, **dataclasses.asdict(value)} for key, value in shown.parameters.items()
+            {"name": key, **dataclasses.asdict(value), "text": of(value.text)}
+            for key, value in shown.parameters.items()
         ],
         "presets": [
-            {"name": key, "text": preset.text, "set": dict(preset.set)}
+            {"name": key, "text": of(preset.text), "set": dict(preset.set)}
             for key, preset in shown.presets.items()
         ],
         "levels": [
             {"name": level, "text": glossary.term(level, language).short}
             for level in CONTACT_LEVELS
         ],
-        "engines": [_engine(key, shown, bounces=bounces) for key in shown.engines],
+        "engines": [_engine(key, shown, of, bounces=bounces) for key in shown.engines],
         "published": published.of_scenario(file),
         "can_fit": file.fit is not None and file.fit.by == "bounces",
     }
@@ -56,8 +61,8 @@ def _bounces(file: ScenarioFile) -> bool:
     return any(contact.restitution > 0 for contact in touching_pairs(file.resolve()))
 
 
-def _engine(name: str, shown: ScenarioFacts, *, bounces: bool) -> Plain:
-    contact = _contact(name) if bounces else []
+def _engine(name: str, shown: ScenarioFacts, of: Callable[[str], str], *, bounces: bool) -> Plain:
+    contact = _contact(name, of) if bounces else []
     found: Plain = {"name": name, "contact": contact, "script": has_script(name)}
     lacking = shown.engines[name] or _not_there(name)
     return {**found, "missing": "; ".join(lacking)} if lacking else found
@@ -77,8 +82,8 @@ def _not_there(name: str) -> list[str]:
     return []
 
 
-def _contact(name: str) -> list[dict[str, Any]]:
+def _contact(name: str, of: Callable[[str], str]) -> list[dict[str, Any]]:
     try:
-        return [dataclasses.asdict(one) for one in by_hand.known(name)]
+        return [{**dataclasses.asdict(one), "text": of(one.text)} for one in by_hand.known(name)]
     except SimcompareError:  # its backend is broken, which is told
         return []

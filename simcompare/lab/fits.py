@@ -14,12 +14,11 @@ from simcompare.engine import by_hand
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import reading
 from simcompare.fitting.bounces.bounce_models import GRAVITY
-from simcompare.lab import kept, progress, published, recordings, runs, scores
+from simcompare.lab import kept, progress, published, recordings, runs, scores, sentences
 from simcompare.lab.asked import Asked
 from simcompare.lab.numbers import shortened
 from simcompare.model.plain import Plain
 from simcompare.model.settings import DEFAULT
-from simcompare.reports.fit.short import short
 from simcompare.reports.run import runs as shown
 from simcompare.reports.run import source_styles
 from simcompare.results import fit_file
@@ -60,7 +59,7 @@ def fit(asked: Asked) -> Plain:
     height = fit_file.read(made / FILE).drop(catalogue.load(scenario))
     after = _after(asked, scenario, able, made / FILE, drop, height)
     return {
-        "sentence": " ".join(short(result)),
+        "sentence": sentences.of_fit(result, found, asked.language),
         "restitution": _restitution(found),
         "engines": [
             {"name": name, "level": FITTED, "values": values[name], **_near(after, name)}
@@ -139,10 +138,10 @@ def _after(
         scenario, engine=able, contact=[DEFAULT, str(file)], own=own or None, seeds=1,
         set=dict(height), time_limit_s=_LIMIT_S,
     )  # fmt: skip
-    drawn = runs.drawn(result)
+    drawn = runs.drawn(result, asked.language)
     return {
         **{key: drawn[key] for key in ("replay", "curves", "y_label")},
-        "scores": scores.of_recording(result, drop),
+        "scores": scores.of_recording(result, drop, asked.language),
         "bounces": _bounces(result, drop),
     }
 

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from simcompare.errors import InputError
-from simcompare.lab import kept, published, scores
+from simcompare.lab import kept, published, scores, sentences
 from simcompare.lab.asked import Asked
 from simcompare.lab.numbers import listed
+from simcompare.lab.translation import translated
 from simcompare.model.plain import Plain
 from simcompare.model.scenario import Probe
 from simcompare.model.settings import BY_HAND
@@ -18,7 +19,7 @@ from simcompare.reports.render import replay_page
 from simcompare.reports.render.decimation import decimated
 from simcompare.reports.render.styles import TRUTH_STYLE
 from simcompare.reports.render.tables import Table, printable
-from simcompare.reports.run import lead_table, not_run, replay, short, source_styles
+from simcompare.reports.run import lead_table, not_run, replay, source_styles
 from simcompare.reports.run import runs as shown
 from simcompare.results.run import Run
 from simcompare.scenarios import catalogue
@@ -48,16 +49,18 @@ def run(asked: Asked) -> Plain:
         seeds=1 if _is_dithered(scenario) else None,
         time_limit_s=_LIMIT_S,
     )
-    return {**drawn(result), "scores": _scores(asked, result)}
+    return {**drawn(result, asked.language), "scores": _scores(asked, result)}
 
 
 def _scores(asked: Asked, result: Run) -> list[Plain]:
     """Against published bounces or those that were recorded, if any; else against the truth."""
     if asked.published() is not None:
-        return published.scores(result, asked.text("language", "en"))
+        return published.scores(result, asked.language)
     place = asked.recording()
     drop = None if place is None else kept.drop_of(place)
-    return scores.of_truth(result) if drop is None else scores.of_recording(result, drop)
+    if drop is None:
+        return scores.of_truth(result)
+    return scores.of_recording(result, drop, asked.language)
 
 
 @functools.cache
@@ -66,7 +69,7 @@ def _is_dithered(scenario: str) -> bool:
     return catalogue.load(scenario).resolve().dither is not None
 
 
-def drawn(result: Run) -> Plain:
+def drawn(result: Run, language: str) -> Plain:
     """Replay, curves, table and sentence of a run."""
     made, name = replay.replay_of(result), next(iter(shown.probes(result)))
     probe = shown.probes(result)[name]
@@ -74,9 +77,9 @@ def drawn(result: Run) -> Plain:
     return {
         "replay": None if made is None else replay_page.as_dict(made),
         "curves": list(_curves(result, probe)),
-        "y_label": f"{probe.label} ({probe.unit})",
+        "y_label": f"{translated(probe.label, language)} ({probe.unit})",
         "table": None if table is None else _table(table),
-        "sentence": " ".join(short.short(result)),
+        "sentence": sentences.of_run(result, language),
         "missing": [f"{row.name}: {row.reason}" for row in not_run.not_run(result)],
         "exit": result.exit_code,
     }

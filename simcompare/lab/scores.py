@@ -8,10 +8,13 @@ from typing import Any
 
 from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.lab.numbers import shortened
+from simcompare.lab.translation import filled
 from simcompare.reports.run import runs
 from simcompare.reports.run.lead import lead_of
 from simcompare.results.run import Run
 
+_BOUNCES = "{misfit} mm from your ball; restitution {value}"
+_STAYS = "{misfit} mm from your ball; it does not bounce"
 #: from here on three digits would be written with a power of ten
 _PLAIN = 999.5
 
@@ -37,7 +40,9 @@ def of_truth(result: Run) -> list[dict[str, Any]]:
     return found
 
 
-def of_recording(result: Run, drop: Mapping[str, Any]) -> list[dict[str, Any]]:
+def of_recording(
+    result: Run, drop: Mapping[str, Any], language: str = "en"
+) -> list[dict[str, Any]]:
     """How far the flights of every source are from the recorded ones, in millimetres of height.
 
     A bounce that a source does not make counts with its whole height.
@@ -45,6 +50,7 @@ def of_recording(result: Run, drop: Mapping[str, Any]) -> list[dict[str, Any]]:
     Args:
         result: the run.
         drop: what was recorded, as ``recordings.drop`` has it.
+        language: of the page.
     """
     heights = {one["bounce"]: one["value"] for one in drop["heights_m"]}
     if not heights:
@@ -57,11 +63,13 @@ def of_recording(result: Run, drop: Mapping[str, Any]) -> list[dict[str, Any]]:
             misfit_mm = 1e3 * math.sqrt(sum(one * one for one in off) / len(off))
             whole = runs.score_of(result, name, level, "restitution")
             value = None if whole is None else whole.value
-            said = "it does not bounce" if not value else f"restitution {value:.3f}"
             found.append({
                 "source": name, "level": level, "misfit_mm": shortened(misfit_mm),
                 "value": shortened(value), "truth": drop["middle"],
-                "text": f"{_short(misfit_mm)} mm from your ball; {said}",
+                "text": filled(
+                    _BOUNCES if value else _STAYS, language, misfit=_short(misfit_mm),
+                    value=f"{value or 0.0:.3f}",
+                ),
             })  # fmt: skip
     return found
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from simcompare.errors import InputError, UnknownName
-from simcompare.glossary import LANGUAGES
 from simcompare.lab import facts, fits, recordings, runs, takeaways, video
 from simcompare.lab.asked import Asked, number
+from simcompare.lab.translation import each
 from simcompare.model.plain import Plain
 from simcompare.running import doctor
 from simcompare.running.runner import kept_processes
@@ -58,22 +58,20 @@ def _warm(asked: Asked) -> Plain:
 
 
 def _scenarios(asked: Asked) -> Plain:
-    del asked
-    return facts.scenarios()
+    return facts.scenarios(asked.language)
 
 
 def _scenario(asked: Asked) -> Plain:
-    language = asked.one_of("language", LANGUAGES, "en")
-    return facts.scenario(asked.scenario(key="name"), language)
+    return facts.scenario(asked.scenario(key="name"), asked.language)
 
 
 def _recording(asked: Asked) -> Plain:
     kind = asked.one_of("kind", (recordings.SOUND, recordings.TABLE))
-    return recordings.received(Path(asked.text("path")), kind)
+    return _told(recordings.received(Path(asked.text("path")), kind), asked)
 
 
 def _film(asked: Asked) -> Plain:
-    return video.received(Path(asked.text("path")))
+    return _told(video.received(Path(asked.text("path"))), asked)
 
 
 def _scale(asked: Asked) -> Plain:
@@ -81,7 +79,12 @@ def _scale(asked: Asked) -> Plain:
     if place is None:
         raise InputError("recording", ["none is named; send a film first"])
     metres = number(asked.request.get("metres"), "metres")
-    return video.scaled(place, asked.request.get("points"), metres)
+    return _told(video.scaled(place, asked.request.get("points"), metres), asked)
+
+
+def _told(found: Plain, asked: Asked) -> Plain:
+    """A recording with its notes in the language of the page."""
+    return {**found, "notes": each(found["notes"], asked.language)}
 
 
 _KINDS: Mapping[str, Callable[[Asked], Plain]] = {
