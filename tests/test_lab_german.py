@@ -11,6 +11,7 @@ import pytest
 
 from simcompare import lab
 from simcompare.engine import by_hand, engines
+from simcompare.hardware.recordings import bounce_table, published
 from simcompare.lab.translation import catalogue, translated
 from simcompare.lab.work import perform
 from simcompare.scenarios import catalogue as scenarios
@@ -31,6 +32,9 @@ def shown() -> Iterator[str]:
         yield from (one.text for one in facts.presets.values())
         if scene.answer is not None:
             yield scene.answer.measure.replace("_", " ")
+    for path in published.tables().values():
+        head = bounce_table.read(path, {"rebound_height": "m", "restitution": "1"}).head
+        yield from (head["title"], head["note"])
     for engine in engines.names():
         yield from (one.text for one in by_hand.known(engine))
 

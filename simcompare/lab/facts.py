@@ -51,7 +51,7 @@ def scenario(name: str, language: str) -> Plain:
             for level in CONTACT_LEVELS
         ],
         "engines": [_engine(key, shown, of, bounces=bounces) for key in shown.engines],
-        "published": published.of_scenario(file),
+        "published": published.of_scenario(file, language),
         "can_fit": file.fit is not None and file.fit.by == "bounces",
     }
 

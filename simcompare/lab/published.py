@@ -9,6 +9,7 @@ from simcompare.hardware.recordings import bounce_table, published
 from simcompare.hardware.recordings.bounce_table import BounceTable
 from simcompare.lab.numbers import shortened
 from simcompare.lab.refusals import say
+from simcompare.lab.translation import each, translated
 from simcompare.model.plain import Plain
 from simcompare.results.records.run import RunRecord
 from simcompare.results.run import Run
@@ -16,20 +17,21 @@ from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs.run_plan import measured_units
 
 
-def of_scenario(file: ScenarioFile) -> list[Plain]:
+def of_scenario(file: ScenarioFile, language: str) -> list[Plain]:
     """All that engines can be held against: what was measured, under which conditions, by whom."""
     if file.fit is None or file.fit.by != "bounces":
         return []
     units = measured_units(file.resolve())
     every = {name: bounce_table.read(path, units) for name, path in published.tables().items()}
-    return [_told(name, table, file) for name, table in every.items()]
+    return [_told(name, table, file, language) for name, table in every.items()]
 
 
-def _told(name: str, table: BounceTable, file: ScenarioFile) -> Plain:
+def _told(name: str, table: BounceTable, file: ScenarioFile, language: str) -> Plain:
+    told = [table.head[key] for key in ("citation", "note") if key in table.head]
     return {
         "name": name,
-        "title": table.head["title"],
-        "text": ". ".join(table.head[key] for key in ("citation", "note") if key in table.head),
+        "title": translated(table.head["title"], language),
+        "text": ". ".join(each(told, language)),
         "preset": table.preset or "",
         "parameters": file.read_settings(table.parameters, str(table.path)),
         "can_fit": any(one.name in USED for one in table.quantities),
