@@ -153,6 +153,13 @@ def test_a_published_ball_is_held_against_and_fitted(page: Page, address: str) -
     page.until("() => !document.querySelector('#scores').innerText.includes('published')")
 
 
+def test_a_browser_without_webgl_shows_a_still(address: str, browser: Browser) -> None:
+    with browser(("--disable-3d-apis",)) as page:
+        _begin(page, address)
+        assert page.until("() => document.querySelector('.stage img')?.naturalWidth") > 300
+        assert "WebGL is off" in page.text(".stage")
+
+
 def test_no_engine_is_said_in_words(page: Page) -> None:
     page.click(f"#engines input[value={FAST}]")
     page.until("() => document.querySelector('#drop-faults').innerText.includes('at least one')")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 
@@ -78,6 +79,16 @@ def test_fit_works_with_published_bounces(tmp_path) -> None:
     assert values["collision_slop"] == (0.01, 1e-9)
     with pytest.raises(InputError, match="a fit needs one of these"):
         perform("fit", {**asked, "published": JENA})
+
+
+def test_still_is_drawn_for_each_level_where_it_is_asked_for(ran) -> None:
+    found = perform("run", {**BALL, "levels": ["default", "tuned"], "still": True})["replay"]
+    assert list(found["pictures"]) == found["levels"]
+    for picture in found["pictures"].values():
+        head, _, content = picture.partition(",")
+        assert head == "data:image/png;base64"
+        assert base64.b64decode(content).startswith(b"\x89PNG")
+    assert "pictures" not in ran["replay"]
 
 
 def test_scenario_in_which_nothing_bounces_has_no_values_for_a_bounce() -> None:

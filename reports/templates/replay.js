@@ -20,6 +20,7 @@ const Replay = (() => {
   };
   const WEBGL = Boolean(document.createElement("canvas").getContext("webgl"));
   class Replay {
+    static draws = WEBGL;
     constructor(box) {
       this.box = box;
       this.plot = box.querySelector(".stage");
@@ -197,7 +198,8 @@ const Replay = (() => {
     draw() {
       if (!this.scene || !this.plot.clientWidth) return;
       if (!WEBGL) {
-        this.plot.textContent = this.box.dataset.flat || "";
+        const picture = this.scene.pictures?.[this.level], text = this.box.dataset.flat || "";
+        this.plot.replaceChildren(...(picture ? [Object.assign(new Image(), { src: picture, alt: "" })] : []), text);
         return;
       }
       const shown = this.shown, shifts = this.shifts(shown), lanes = this.control("lanes").checked;

@@ -23,7 +23,7 @@ _MOST = 1000
 #: all that a page can ask, and what the server adds to it
 _PAGE = (
     "scenario", "engine", "engines", "levels", "parameters", "contact", "recording", "result",
-    "struck", "points", "metres",
+    "struck", "points", "metres", "published", "still",
 )  # fmt: skip
 _SERVER = ("folder", "id", "language", "kind", "path", "name")
 

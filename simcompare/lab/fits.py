@@ -138,7 +138,7 @@ def _after(
         scenario, engine=able, contact=[DEFAULT, str(file)], own=own or None, seeds=1,
         set=dict(height), time_limit_s=_LIMIT_S,
     )  # fmt: skip
-    drawn = runs.drawn(result, asked.language)
+    drawn = runs.drawn(result, asked)
     return {
         **{key: drawn[key] for key in ("replay", "curves", "y_label")},
         "scores": scores.of_recording(result, drop, asked.language),

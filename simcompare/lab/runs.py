@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import functools
 from collections.abc import Iterator
 from typing import Any
@@ -15,8 +16,9 @@ from simcompare.model.plain import Plain
 from simcompare.model.scenario import Probe
 from simcompare.model.settings import BY_HAND
 from simcompare.model.trajectory import TRUTH, Trajectory
-from simcompare.reports.render import replay_page
+from simcompare.reports.render import matplotlib_replay, replay_page
 from simcompare.reports.render.decimation import decimated
+from simcompare.reports.render.replays import Replay
 from simcompare.reports.render.styles import TRUTH_STYLE
 from simcompare.reports.render.tables import Table, printable
 from simcompare.reports.run import lead_table, not_run, replay, source_styles
@@ -25,8 +27,8 @@ from simcompare.results.run import Run
 from simcompare.scenarios import catalogue
 from simcompare.verbs.run import run as simulate
 
-#: longest time for one simulation [s]; points of a curve
-_LIMIT_S, _POINTS = 30.0, 700
+#: longest time for one simulation [s]; points of a curve; dots in an inch of a still
+_LIMIT_S, _POINTS, _DPI = 30.0, 700, 100
 
 
 def run(asked: Asked) -> Plain:
@@ -49,7 +51,7 @@ def run(asked: Asked) -> Plain:
         seeds=1 if _is_dithered(scenario) else None,
         time_limit_s=_LIMIT_S,
     )
-    return {**drawn(result, asked.language), "scores": _scores(asked, result)}
+    return {**drawn(result, asked), "scores": _scores(asked, result)}
 
 
 def _scores(asked: Asked, result: Run) -> list[Plain]:
@@ -69,19 +71,37 @@ def _is_dithered(scenario: str) -> bool:
     return catalogue.load(scenario).resolve().dither is not None
 
 
-def drawn(result: Run, language: str) -> Plain:
-    """Replay, curves, table and sentence of a run."""
+def drawn(result: Run, asked: Asked) -> Plain:
+    """Replay, curves, table and sentence of a run.
+
+    Args:
+        result: the run.
+        asked: by whom; with ``still`` there are pictures too, for browsers that draw nothing.
+    """
     made, name = replay.replay_of(result), next(iter(shown.probes(result)))
     probe = shown.probes(result)[name]
     table = lead_table.lead_table(result)
     return {
-        "replay": None if made is None else replay_page.as_dict(made),
+        "replay": None if made is None else {**replay_page.as_dict(made), **_stills(made, asked)},
         "curves": list(_curves(result, probe)),
-        "y_label": f"{translated(probe.label, language)} ({probe.unit})",
+        "y_label": f"{translated(probe.label, asked.language)} ({probe.unit})",
         "table": None if table is None else _table(table),
-        "sentence": sentences.of_run(result, language),
+        "sentence": sentences.of_run(result, asked.language),
         "missing": [f"{row.name}: {row.reason}" for row in not_run.not_run(result)],
         "exit": result.exit_code,
+    }
+
+
+def _stills(made: Replay, asked: Asked) -> Plain:
+    """A picture of each level."""
+    if not asked.request.get("still"):
+        return {}
+    found = {level: matplotlib_replay.rendered(made, level, _DPI) for level in made.levels}
+    return {
+        "pictures": {
+            level: f"data:image/png;base64,{base64.b64encode(png).decode()}"
+            for level, png in found.items()
+        }
     }
 
 

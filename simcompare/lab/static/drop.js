@@ -93,7 +93,7 @@ export class Drop {
     if (isPart) Object.assign(wish, isHand ? { levels: [] } : { levels: [this.level], contact: {} });
     if (!wish.engines.length) say(byId("drop-faults"), [words("drop.no_engine")]);
     else if (!wish.levels.length && !Object.keys(wish.contact).length) say(byId("drop-faults"), [words("drop.no_level")]);
-    else this.latest.ask({ job: { kind: "run", group: this.group(), ...wish, ...this.beside }, isPlayed, isPart });
+    else this.latest.ask({ job: { kind: "run", group: this.group(), ...wish, ...this.beside, still: !Replay.draws }, isPlayed, isPart });
   }
   /** What the engines are held against: a published ball, or one that was recorded. */
   get beside() {

@@ -131,7 +131,7 @@ export class Real {
     if (!published && !this.drop.choices.scenario.can_fit) await this.drop.hear(this.recording);
     const { engines, contact, scenario } = this.drop.choices.wish, group = this.group();
     const source = published ? { published: published.name } : { recording: this.recording.id, struck: this.recording.wave ? [...this.waveform.struck] : [] };
-    const asked = { group, scenario, engines, contact, ...source };
+    const asked = { group, scenario, engines, contact, ...source, still: !Replay.draws };
     let begin;
     const result = await job({ ...asked, kind: "fit" }, ({ state, place }) => {
       if (state === "waiting") return this.state(words("drop.waiting", { place }));
