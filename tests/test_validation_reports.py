@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import pytest
 
+from simcompare.inference.simulated import MOTION
 from simcompare.reports import builder
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table, printable, scale_of
 from simcompare.reports.render.text_tables import lines
+from simcompare.reports.run.replay import replay_of
 from simcompare.reports.validation import parameter_tables, source, tables
 from simcompare.results.run import Run
 from tests import validated
@@ -46,6 +48,17 @@ def figures(run):
 
 
 # structure
+
+
+def test_engines_are_seen_moving_on_the_fitted_recording(fitted, judged):
+    for run in (fitted, judged):
+        replay = replay_of(run)
+        assert [actor.label for actor in replay.actors] == ENGINES.split(",")
+        assert replay.time_s[-1] == pytest.approx(6.0, abs=0.02)
+    # a few pictures a second, whatever the step: they cost little, and are no samples
+    played = [one for one in fitted.trajectories if one.parameters == MOTION]
+    assert all(len(one.trajectory.time_s) <= 1500 for one in played)
+    assert MOTION not in set(fitted.samples()["parameters"])
 
 
 def test_a_report_has_its_sections_and_no_address_to_fetch(fitted, tmp_path):

@@ -21,8 +21,8 @@ CAPTION = (
 _OTHERS = {TRUTH: (f"truth ({TRUTH})", TRUTH_STYLE), "measured": ("measured", MEASURED_STYLE)}
 #: with which parameters it moves them
 _WITH = {
-    "": "", "best": "with the fitted parameters", "fitted": "with the fitted parameters",
-    "nominal": "with the given parameters",
+    "": "", "motion": "", "nominal": "with the given parameters",
+    "best": "with the fitted parameters", "fitted": "with the fitted parameters",
 }  # fmt: skip
 
 

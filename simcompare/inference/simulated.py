@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from simcompare import measures
 from simcompare.comparison.repeats import check_sample_step
 from simcompare.errors import InputError
 from simcompare.inference.reference_model import Model
 from simcompare.inference.segments import Segment
+from simcompare.model.drawing import ORIENTATION, POSITION
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
 from simcompare.model.trajectory import Trajectory
@@ -21,6 +24,8 @@ NOMINAL, BEST = "nominal", "best"
 #: and with other steps, which show the step error; the last where longer ones cannot be
 DOUBLE, FOURFOLD, HALF = "double step", "fourfold step", "half step"
 _LONGER = {DOUBLE: 2.0, FOURFOLD: 4.0}
+#: what is stored of bodies, to be played, and at how many instants at most
+MOTION, _PLAYED = "motion", 1500
 
 
 @dataclass(frozen=True)
@@ -31,11 +36,14 @@ class Engine:
         name: the engine.
         outcomes: how the jobs that are judged ended.
         runs: (segment number, variant) -> the probes over time, for the jobs that ended well.
+        motion: how bodies moved in the first segment, as it is played; ``None`` where that is not
+            known.
     """
 
     name: str
     outcomes: Sequence[Outcome]
     runs: Mapping[tuple[int, str], Trajectory] = field(repr=False)
+    motion: Trajectory | None = field(default=None, repr=False)
 
     def complete(self, segment: int) -> bool:
         """Whether the runs that are judged are there."""
@@ -94,8 +102,15 @@ def simulate(
                 {(i, NOMINAL): run for (i, v), run in list(by_variant.items()) if v == BEST}
             )
     judged = [o for o in outcomes if planned[o.job.repeat][1] in (NOMINAL, BEST)]
+    first = next(i for i, (_, variant, _) in enumerate(planned) if variant == BEST)
+    played = {
+        o.job.engine: motion_of(o.trajectory)
+        for o in judged
+        if o.job.repeat == first and o.status == OK and o.trajectory is not None
+    }
     return [
-        Engine(name, [o for o in judged if o.job.engine == name], runs[name]) for name in engines
+        Engine(name, [o for o in judged if o.job.engine == name], runs[name], played.get(name))
+        for name in engines
     ]
 
 
@@ -148,6 +163,21 @@ def scenes(
         except InputError:  # too few samples are left; the step error is then unknown
             break
     return variants
+
+
+def motion_of(trajectory: Trajectory) -> Trajectory:
+    """Where bodies are and how they are turned, at no more instants than are played."""
+    count = len(trajectory.time_s)
+    places = np.unique(np.linspace(0, count - 1, min(count, _PLAYED)).round().astype(int))
+    signals = {
+        name: values[places]
+        for name, values in trajectory.signals.items()
+        if name.endswith((f".{POSITION}", f".{ORIENTATION}"))
+    }
+    return Trajectory(
+        trajectory.source, trajectory.time_s[places], signals, trajectory.version,
+        trajectory.contact,
+    )  # fmt: skip
 
 
 def of_probes(scene: Scenario, trajectory: Trajectory, probes: Sequence[str]) -> Trajectory:

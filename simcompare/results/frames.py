@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from simcompare.comparison.comparison import Score
 from simcompare.errors import InputError, UnknownName
+from simcompare.inference.simulated import MOTION
 from simcompare.measures import observe
 from simcompare.model.scenario import Probe
 from simcompare.model.trajectory import Array, Trajectory
@@ -58,7 +59,10 @@ def chosen(
     found = [
         one
         for one in run.trajectories
-        if source in (None, one.source) and contact in (None, one.contact) and one.repeat == wanted
+        if source in (None, one.source)
+        and contact in (None, one.contact)
+        and one.repeat == wanted
+        and one.parameters != MOTION
     ]
     if not found:
         raise InputError("samples", _reasons(run, source, contact, wanted))

@@ -21,7 +21,8 @@ class Stored:
         contact: its contact level, empty where it has none.
         repeat: number of the repeat.
         trajectory: what it gave.
-        parameters: which ones, "best", "nominal" or "fitted", where there is a recording.
+        parameters: which ones, "best", "nominal" or "fitted", where there is a recording;
+            "motion" of bodies that are only to be played.
         segment: number of the segment of the recording, first is 0.
     """
 

@@ -17,7 +17,14 @@ from simcompare.inference.evaluated import Evaluated, evaluate
 from simcompare.inference.reference_model import model_of
 from simcompare.inference.segment_reader import segments_of
 from simcompare.inference.segments import INPUT, as_trajectory, inputs_of
-from simcompare.inference.simulated import BEST, NOMINAL, Engine, check_step, simulate
+from simcompare.inference.simulated import (
+    BEST,
+    MOTION,
+    NOMINAL,
+    Engine,
+    check_step,
+    simulate,
+)
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
 from simcompare.model.trajectory import TRUTH, Trajectory
 from simcompare.reports.validation import answer
@@ -179,3 +186,5 @@ def _stored(
         for (number, variant), run in engine.runs.items():
             if variant in (BEST, NOMINAL):
                 yield Stored(engine.name, contact, 0, run, variant, number)
+        if engine.motion is not None and engine.motion.signals:
+            yield Stored(engine.name, contact, 0, engine.motion, MOTION)
