@@ -34,6 +34,7 @@ _PUBLIC = {
     "runs": "simcompare.verbs.runs",
     "explain": "simcompare.verbs.explain",
     "export": "simcompare.exporters.export",
+    "robot": "simcompare.verbs.robot",
     "import_log": "simcompare.verbs.import_log",
     "Result": "simcompare.verbs.result",
     "Recording": "simcompare.model.recording",

@@ -103,11 +103,7 @@ def parameters(robot: Robot) -> Mapping[str, float]:
         "center_behind_m": -float(body.center_m[0]),
         "caster_behind_m": robot.caster.behind_m,
         "caster_radius_m": robot.caster.radius_m,
-        **{
-            name: value
-            for name, value in drive.model_dump().items()
-            if isinstance(value, float | int) and name != "confirmed"
-        },
+        **drive.model_dump(exclude={"source", "confirmed", "battery_V"}),
     }
 
 

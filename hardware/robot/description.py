@@ -115,7 +115,7 @@ class Part(Bought):
 
 
 class Drive(Frozen):
-    """Constants of each motor, as ``dc_motor`` of a scenario has them, and of its encoder."""
+    """Constants of a motor, as ``dc_motor`` of a scenario has them, of its encoder and supply."""
 
     resistance_Ohm: float
     torque_constant_N_m_A: float
@@ -125,6 +125,7 @@ class Drive(Frozen):
     rotor_damping_N_m_s_rad: float
     rotor_inertia_kg_m2: float
     shaft_marks: int
+    battery_V: float
     source: Line = ""
     confirmed: bool = False
 
@@ -140,11 +141,13 @@ class Robot(Frozen):
 
     Attributes:
         scenario: in which it is written for other simulators.
+        body: what is called there all of it but the wheels.
     """
 
     name: Name
     title: Line
     scenario: Name
+    body: Name
     chassis: Chassis
     wheels: Wheels
     caster: Caster

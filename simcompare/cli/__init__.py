@@ -109,6 +109,7 @@ def register() -> None:
         lab,
         list_,
         report,
+        robot,
         run,
         runs,
         sensor,
@@ -133,6 +134,7 @@ def register() -> None:
     _verb("gauge", gauge.gauge)
     _verb("allan", allan.allan)
     _verb("export", export.export)
+    _verb("robot", robot.robot)
     _verb("import", import_.import_)
     _verb("fit", fit.fit)
     # an engine's own numbers are options too, by the names that it has for them

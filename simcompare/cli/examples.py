@@ -46,6 +46,11 @@ EXAMPLES = {
         "simcompare export robot --format urdf -o robot.urdf",
         "simcompare export ball --format script --engine mujoco -o ball.py",
     ),
+    "robot": (
+        "simcompare robot --out my_robot",
+        "simcompare robot --template",
+        "simcompare run robot --robot my.yaml",
+    ),
     "import": (
         "simcompare import my_log.csv",
         "simcompare import my_log.csv --template",

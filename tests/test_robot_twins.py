@@ -1,0 +1,284 @@
+"""The robot's twins: drawings and models hold one mass, and every reader drives it alike."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+import yaml
+
+import simcompare
+from simcompare.engine import engines
+from simcompare.hardware.robot import built, robot_file
+from simcompare.model.rotations import matrix_of
+from simcompare.model.settings import Settings
+from simcompare.scenarios import catalogue
+from simcompare.verbs import robot_values
+from tests.present import need
+
+TORQUE_N_M, STEP_S, SAMPLES = 0.02, 0.001, 800
+GRAVITY_M_S2 = (0, 0, -9.80665)
+FRICTION = {"chassis": 0.0, "left_wheel": 0.6, "right_wheel": 0.6}
+
+
+def need_cad():
+    if importlib.util.find_spec("build123d") is None:
+        pytest.skip("build123d is not installed")
+
+
+@pytest.fixture(scope="module", params=["ours", "longer"])
+def made(request, tmp_path_factory):
+    """All that follows from our robot, and from one whose body is tilted: file and folder."""
+    folder = tmp_path_factory.mktemp("robot")
+    tree = yaml.safe_load(robot_file.OWN.read_text(encoding="utf-8"))
+    if request.param == "longer":
+        tree["chassis"]["length_m"] = 0.2
+        tree["wheels"]["radius_m"] = 0.030
+    path = folder / "my.yaml"
+    path.write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
+    simcompare.robot(path, out=folder)
+    return path, folder
+
+
+@pytest.fixture
+def bullet():
+    need("pybullet")
+    import pybullet
+
+    pybullet.connect(pybullet.DIRECT)
+    yield pybullet
+    pybullet.disconnect()
+
+
+# --- one mass ---------------------------------------------------------------------------------
+
+
+def assert_same(mass_kg, inertia_kg_m2, path, place=None):
+    """Mass, inertia about the centre of mass, and that centre over the floor, to 1e-6."""
+    truth = built.body_of(robot_file.read(path))
+    size = np.trace(truth.inertia_kg_m2)
+    assert mass_kg == pytest.approx(truth.mass_kg, rel=1e-6)
+    np.testing.assert_allclose(inertia_kg_m2, truth.inertia_kg_m2, rtol=0, atol=1e-6 * size)
+    if place is not None:
+        np.testing.assert_allclose(place, truth.center_m, rtol=0, atol=1e-6 * 0.1)
+
+
+def over_the_axle(place, path):
+    """A place in the world as seen from the middle of the axle."""
+    return np.array(place) - [0, 0, robot_file.read(path).wheels.radius_m]
+
+
+def test_mujoco_reads_the_mass_of_the_parts_in_mjcf(made):
+    need("mujoco")
+    import mujoco
+
+    path, folder = made
+    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    held = model.body("chassis")
+    turn = matrix_of(held.iquat)
+    inertia = turn @ np.diag(held.inertia) @ turn.T
+    assert_same(held.mass[0], inertia, path, over_the_axle(data.body("chassis").xipos, path))
+
+
+@pytest.mark.parametrize("format", ["urdf", "sdf"])
+def test_dart_reads_the_mass_of_the_parts_in_urdf_and_sdf(made, format):
+    need("dart")
+    path, folder = made
+    world = dart_world(folder / f"robot.{format}")
+    body = world.getSkeleton(0).getBodyNode("chassis")
+    held = body.getInertia()
+    place = body.getWorldTransform().translation() + held.getLocalCOM()
+    center = over_the_axle(place, path) if format == "sdf" else None  # a URDF is placed by us
+    assert_same(held.getMass(), held.getMoment(), path, center)
+
+
+def test_pybullet_reads_the_mass_of_the_parts_in_urdf(made, bullet):
+    path, folder = made
+    robot = bullet.loadURDF(str(folder / "robot.urdf"), flags=bullet.URDF_USE_INERTIA_FROM_FILE)
+    held = bullet.getDynamicsInfo(robot, -1)
+    x, y, z, w = held[4]
+    turn = matrix_of((w, x, y, z))
+    assert_same(held[0], turn @ np.diag(held[2]) @ turn.T, path)
+
+
+def test_the_step_file_has_the_mass_of_the_parts(made):
+    """Read back, and integrated by the CAD kernel: each solid with its part's mass."""
+    need_cad()
+    import build123d as cad
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    path, folder = made
+    parts = {one.name: one for one in built.placed(robot_file.read(path))}
+    read = cad.import_step(folder / "robot.step")
+    assert {child.label for child in read.children} == set(parts)
+    mass, moment, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    for child in read.children:
+        part = parts[child.label]
+        if part.is_wheel:
+            continue
+        found = GProp_GProps()
+        BRepGProp.VolumeProperties_s(child.wrapped, found)
+        density = part.mass_kg / (found.Mass() * 1e-9)
+        center = found.CentreOfMass()
+        tensor = found.MatrixOfInertia()
+        about = np.array([[tensor.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
+        at = np.array([center.X(), center.Y(), center.Z()]) * 1e-3
+        mass += part.mass_kg
+        moment += part.mass_kg * at
+        second += density * about * 1e-15 + shifted(part.mass_kg, at)
+    center = moment / mass
+    assert_same(mass, second - shifted(mass, center), path, center)
+
+
+def shifted(mass, at):
+    return mass * ((at @ at) * np.eye(3) - np.outer(at, at))
+
+
+def test_the_chassis_opens_in_a_second_kernel(made):
+    """Its triangles, integrated without the CAD kernel; round holes are polygons of 0.01 mm."""
+    need_cad()
+    path, folder = made
+    raw = (folder / "chassis.stl").read_bytes()
+    kind = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
+    triangles = np.frombuffer(raw, kind, offset=84)["corners"].astype(float) * 1e-3
+    assert len(triangles) == int.from_bytes(raw[80:84], "little")
+    # signed tetrahedra between the origin and each triangle
+    volumes = np.linalg.det(triangles) / 6
+    mass = built.placed(robot_file.read(path))[0]
+    volume = sum(one.volume_m3 for one in mass.solids)
+    center = (volumes[:, None] * triangles.sum(axis=1) / 4).sum(axis=0) / volumes.sum()
+    # holes of 4 mm, too small by at most 0.01 mm all around: 1e-4 of the volume at most
+    assert volumes.sum() == pytest.approx(volume, rel=1e-4)
+    np.testing.assert_allclose(center, mass.mass.center_m, atol=1e-5)
+
+
+# --- one motion -------------------------------------------------------------------------------
+
+
+def dart_world(file):
+    import dartpy as dart
+
+    if file.suffix == ".urdf":
+        world = dart.simulation.World()
+        world.addSkeleton(dart.utils.DartLoader().parseSkeleton(str(file)))
+        return world
+    # DART reads SDF up to 1.6, which takes the same out of a file that names no frames
+    old = file.with_name("old.sdf")
+    text = file.read_text(encoding="utf-8").replace('<sdf version="1.7">', '<sdf version="1.6">')
+    old.write_text(text, encoding="utf-8")
+    world = dart.utils.SdfParser.readWorld(dart.common.Uri(str(old)))
+    robots = [world.getSkeleton(i) for i in range(world.getNumSkeletons())]
+    (robot,) = (one for one in robots if one.getBodyNode("chassis") is not None)
+    only = dart.simulation.World()
+    only.addSkeleton(robot.clone())
+    return only
+
+
+def drive_in_mujoco(folder, start):
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    data = mujoco.MjData(model)
+    data.ctrl[:] = TORQUE_N_M
+    for _ in range(SAMPLES):
+        mujoco.mj_step(model, data)
+        yield data.qpos[0]
+
+
+def drive_in_dart(folder, start, format):
+    import dartpy as dart
+
+    world = dart_world(folder / f"robot.{format}")
+    world.setGravity(GRAVITY_M_S2)
+    world.setTimeStep(STEP_S)
+    world.getConstraintSolver().setCollisionDetector(dart.collision.OdeCollisionDetector())
+    robot = world.getSkeleton(0)
+    if format == "urdf":
+        place = robot.getPositions()
+        place[3:6] = start
+        robot.setPositions(place)
+    # its readers take friction neither out of URDF, which has none, nor out of SDF
+    for name, friction in FRICTION.items():
+        for shape in robot.getBodyNode(name).getShapeNodes():
+            if shape.getDynamicsAspect() is not None:
+                shape.getDynamicsAspect().setFrictionCoeff(friction)
+    ground = dart.dynamics.Skeleton("ground")
+    _, body = ground.createWeldJointAndBodyNodePair()
+    plane = body.createShapeNode(dart.dynamics.PlaneShape([0, 0, 1], 0))
+    plane.createCollisionAspect()
+    plane.createDynamicsAspect().setFrictionCoeff(1.0)
+    world.addSkeleton(ground)
+    for _ in range(SAMPLES):
+        for wheel in ("left", "right"):
+            robot.getJoint(wheel).setForce(0, TORQUE_N_M)
+        world.step()
+        yield robot.getBodyNode("chassis").getWorldTransform().translation()[0]
+
+
+def drive_in_pybullet(bullet, folder, start):
+    flags = bullet.URDF_USE_INERTIA_FROM_FILE
+    robot = bullet.loadURDF(str(folder / "robot.urdf"), basePosition=start, flags=flags)
+    ground = bullet.createMultiBody(0, bullet.createCollisionShape(bullet.GEOM_PLANE))
+    bullet.setGravity(*GRAVITY_M_S2)
+    bullet.setTimeStep(STEP_S)
+    bullet.changeDynamics(ground, -1, lateralFriction=1)
+    links = {bullet.getJointInfo(robot, i)[12].decode(): i for i in (0, 1)} | {"chassis": -1}
+    for name, link in links.items():
+        bullet.changeDynamics(
+            robot, link, lateralFriction=FRICTION[name], linearDamping=0, angularDamping=0,
+            jointDamping=0,
+        )  # fmt: skip
+    wheels = [links["left_wheel"], links["right_wheel"]]
+    bullet.setJointMotorControlArray(robot, wheels, bullet.VELOCITY_CONTROL, forces=[0, 0])
+    for _ in range(SAMPLES):
+        bullet.setJointMotorControlArray(
+            robot, wheels, bullet.TORQUE_CONTROL, forces=[TORQUE_N_M] * 2
+        )
+        bullet.stepSimulation()
+        yield bullet.getBasePositionAndOrientation(robot)[0][0]
+
+
+@pytest.mark.parametrize("reader", ["mujoco", "dart urdf", "dart sdf", "pybullet"])
+def test_every_reader_drives_the_robot_as_simcompare_does(made, reader, request):
+    """The way after 0.8 s, beside that of our own adapter of the same engine."""
+    engine, _, format = reader.partition(" ")
+    need(engine)
+    path, folder = made
+    file = catalogue.load("robot")
+    scenario = file.resolve(robot_values.of_file(file, path))
+    start = scenario.bodies["chassis"].position_m
+    match engine:
+        case "mujoco":
+            places = drive_in_mujoco(folder, start)
+        case "dart":
+            places = drive_in_dart(folder, start, format)
+        case _:
+            places = drive_in_pybullet(request.getfixturevalue("bullet"), folder, start)
+    *_, last = places
+    ours = engines.get(engine).simulate(scenario, Settings("tuned"))
+    way = ours.signals["chassis.position_m"][SAMPLES, 0] - start[0]
+    # contact is set by each reader's own defaults, so a tyre sinks in by other micrometres
+    assert last - start[0] == pytest.approx(way, rel=1e-9 if engine == "mujoco" else 1e-5)
+
+
+# --- Gazebo's own checker ---------------------------------------------------------------------
+
+
+def test_gazebo_takes_the_sdf(made):
+    program = shutil.which("ign") or shutil.which("gz")
+    if program is None:
+        assert not os.environ.get("CI"), "Gazebo's checker is missing"
+        pytest.skip("Gazebo's checker is missing")
+    _, folder = made
+    done = subprocess.run(
+        [program, "sdf", "-k", str(folder / "robot.sdf")],
+        capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, "Valid.\n")
