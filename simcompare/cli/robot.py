@@ -25,7 +25,7 @@ def robot(
     ),
     as_json: bool = typer.Option(False, "--json", help="Print one JSON object."),
 ) -> None:
-    """Write models, drawings, tables and a ROS 2 package of a robot."""
+    """Write models, drawings and tables of a robot from one file."""
     from simcompare.model.plain import plain
     from simcompare.verbs import robot as verb
 
