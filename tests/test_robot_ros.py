@@ -73,10 +73,9 @@ def test_it_drives_as_it_is_told_and_says_where_it_is(started, settings):
     node, ros, controller = started()
     run(node, ros, 2.0, twist(ros, 0.2, 0.5))
     left, right = controller.rates
-    assert settings["radius_m"] * (left + right) / 2 == pytest.approx(0.2, rel=0.02)
-    assert settings["radius_m"] * (right - left) / settings["track_m"] == pytest.approx(
-        0.5, rel=0.05
-    )
+    radius, track = settings["radius_m"], settings["track_m"]
+    assert radius * (left + right) / 2 == pytest.approx(0.2, rel=0.02)
+    assert radius * (right - left) / track == pytest.approx(0.5, rel=0.05)
     last = ros.sent["odom"][-1]
     heading = radius * (controller.turned[1] - controller.turned[0]) / track
     # a mark more or less on either side: 2·pi·r/960 = 0.2 mm of way, over the track 2 mrad
