@@ -166,10 +166,13 @@ def test_all_faults_are_told_at_once_with_place_value_and_cure(changed):
         ({"parts.driver.wires": {"AIN1": ["board.IO99", "out"]}}, "board.IO99 does not exist"),
         ({"parts.driver.wires": {"AIN1": ["bord.IO25", "out"]}}, "which is no part"),
         ({"parts.driver.wires": {"STBY": ["board.IO34", "in"]}}, "taken by left_encoder.DO"),
-        ({"parts.imu.price": 3}, "needs price_source and currency"),
+        ({"parts.driver.price": 3}, "needs price_source and currency"),
         ({"parts.imu.mass": 3}, "is not known here; known, the nearest first: mass_kg"),
         ({"parts.imu.mass_kg": "2 g"}, "expected a number, found '2 g'"),
         ({"chassis": 3}, "expected a mapping"),
+        ({"chassis.length_m": 179}, "expected at most 1 m, found 179; a millimetre is 0.001"),
+        ({"parts.imu.mass_kg": 21}, "expected at most 20 kg, found 21; a gram is 0.001"),
+        ({"parts.imu.position_m": [0, 0, 29.5]}, "position_m.2: expected at most 1 m"),
     ],
 )
 def test_what_cannot_be_is_told_with_its_cure(changed, values, words):
@@ -216,3 +219,25 @@ def test_values_that_the_scenario_does_not_take_are_told(changed):
     path = changed({"wheels.radius_m": 0.06, "parts.cables.mass_kg": 15})
     with pytest.raises(InputError, match=r"wheel_radius_m = 0.06 m is outside"):
         simcompare.run("robot", engine="mujoco", robot=path)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "is no file of a robot; begin one with: simcompare robot --template"),
+        ("- 1\n", "is no file of a robot"),
+        ("name: [", "not valid YAML"),
+        ("name: robot\nname: robot\n", "stands twice"),
+        ("name: robot\n", "chassis: is missing"),
+    ],
+)
+def test_what_is_no_robot_is_told(tmp_path, text, words):
+    path = tmp_path / "my.yaml"
+    path.write_text(text, encoding="utf-8")
+    faults = faults_of(path)
+    assert any(words in fault for fault in faults), faults
+
+
+def test_a_place_that_is_not_there_is_told(tmp_path):
+    with pytest.raises(InputError, match=r"none\.yaml"):
+        robot_file.read(tmp_path / "none.yaml")

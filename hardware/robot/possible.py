@@ -16,6 +16,8 @@ from simcompare.hardware.robot.wiring import wiring_faults
 TOUCHING_M = 1e-9
 #: how far beside the middle the centre of mass may be [m]: what a calliper tells
 BESIDE_M = 1e-4
+#: the largest length and mass of a part of a table-top robot
+MOST_M, MOST_KG = 1.0, 20.0
 #: numbers that may be 0, or have either sign
 _ANY = ("position_m", "price")
 
@@ -37,6 +39,10 @@ def _values(robot: Robot) -> dict[str, str]:
                 found[place] = f"expected a number of at least 0, found {value:g}"
         elif name not in _ANY and not value > 0:
             found[place] = f"expected a number greater than 0, found {value:g}"
+        elif name.endswith("_m") and abs(value) > MOST_M:
+            found[place] = f"expected at most {MOST_M:g} m, found {value:g}; a millimetre is 0.001"
+        elif name == "mass_kg" and value > MOST_KG:
+            found[place] = f"expected at most {MOST_KG:g} kg, found {value:g}; a gram is 0.001"
     if robot.motor.drive.efficiency > 1:
         found["motor.drive.efficiency"] = (
             f"expected at most 1, found {robot.motor.drive.efficiency:g}: no gear gives more"

@@ -25,7 +25,10 @@ def read(path: str | Path | None = None) -> Robot:
     path = OWN if path is None else Path(path)
     content, lines, found = read_yaml(path)
     if not isinstance(content, dict):
-        raise InputError(str(path), ["expected a mapping such as simcompare robot --template has"])
+        raise InputError(
+            str(path),
+            ["is no file of a robot; begin one with: simcompare robot --template > my.yaml"],
+        )
     robot, wrong = _robot(content)
     found = {**wrong, **found}
     if robot is not None:
