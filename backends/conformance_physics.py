@@ -21,6 +21,7 @@ from simcompare.backends import (
     conformance_flights,
     conformance_joints,
     conformance_laws,
+    conformance_rays,
     conformance_shapes,
 )
 from simcompare.backends.conformance_scenes import PhysicsCheck, SignalNotGiven
@@ -37,6 +38,7 @@ PHYSICS: tuple[PhysicsCheck, ...] = (
     *conformance_contacts.CHECKS,
     *conformance_laws.CHECKS,
     *conformance_shapes.CHECKS,
+    *conformance_rays.CHECKS,
 )
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from simcompare.engine.range_sensing import zone_rays
 from simcompare.model.rotations import conjugate, matrix_of, multiply, quaternions_of, rotate
 from simcompare.model.scenario import Contact, Drag
 
@@ -133,6 +134,16 @@ def halved(body):
     return tuple(spheres.get(shape.type, lambda s: s)(shape) for shape in body.shapes)
 
 
+def halved_in_sight(body):
+    """Fixed round shapes with half their radius."""
+    if not body.fixed:
+        return body.shapes
+    return tuple(
+        s.model_copy(update={"radius_m": s.radius_m / 2}) if hasattr(s, "radius_m") else s
+        for s in body.shapes
+    )
+
+
 def friction_pyramid(scenario):
     """Friction along each axis by itself, so that there is more of it aslant."""
 
@@ -180,6 +191,22 @@ def to_body_frame(values, turn):
 
 def to_world_frame(values, turn):
     return rotate(turn, values)
+
+
+def pictures(make):
+    """Changes what range sensors read; ``make`` is given it as (n, rows, columns)."""
+
+    def told(signals, scenario):
+        return {
+            name: make(values.reshape(-1, 8, 8)).reshape(len(values), -1)
+            for name, values in signals.items()
+            if name.endswith(".range_m")
+        }
+
+    return told
+
+
+RAY_LENGTHS = np.linalg.norm(zone_rays(8)[:, 0], axis=1).reshape(8, 8)
 
 
 def wrapped(values, turn):
@@ -303,6 +330,24 @@ FURTHER = {
     ),
     "diameter for radius": Lie(
         "stays_down_without_restitution", every_moving_body(shapes=halved)
+    ),
+    "ranges along the rays": Lie(
+        "range_sensor_sees_a_floor_and_a_wall", told=pictures(lambda v: v * RAY_LENGTHS),
+        spatial=True,
+    ),
+    "picture mirrored": Lie(
+        "range_sensor_sees_a_floor_and_a_wall", told=pictures(lambda v: v[:, :, ::-1]),
+        spatial=True,
+    ),
+    "picture upside down": Lie(
+        "range_sensor_sees_a_floor_and_a_wall", told=pictures(lambda v: v[:, ::-1]), spatial=True
+    ),
+    "range sensor in the middle of its body": Lie(
+        "range_sensor_sees_a_floor_and_a_wall", spatial=True,
+        scene=every("sensors", position_m=lambda s: (0.0, 0.0, 0.0)),
+    ),
+    "round things half as large": Lie(
+        "range_sensor_sees_round_things", every("bodies", shapes=halved_in_sight), spatial=True
     ),
     "damping left on": Lie("strangers_pass_through", damped),
     "unnamed pairs touch": Lie("strangers_pass_through", everything_touches),
