@@ -154,6 +154,34 @@ class PartFile(_Strict):
     entries: tuple[EntryFile, ...] = Field(min_length=1)
 
 
+class ZoneFile(_Strict):
+    """One number of a range sensor of many zones, in the SI unit that its name ends with.
+
+    Attributes:
+        term: what it is, a field of ``ZoneNumbers``.
+        value: its value.
+        says: what the source calls it.
+        page: page or table of the document.
+        confirmed: whether it was read in the maker's own text.
+        source: another source than that of the sheet.
+    """
+
+    term: Text
+    value: float
+    says: Text
+    page: Page
+    confirmed: bool
+    source: str = ""
+
+
+class ZonesFile(_Strict):
+    """What a range sensor of many zones has in all modes, and with 4 or 8 zones in a row."""
+
+    both: tuple[ZoneFile, ...]
+    four: tuple[ZoneFile, ...]
+    eight: tuple[ZoneFile, ...]
+
+
 class SheetFile(_Strict):
     """A data sheet: one chip with its parts."""
 
@@ -163,6 +191,7 @@ class SheetFile(_Strict):
     source: SourceFile
     note: str = ""
     parts: Mapping[Text, PartFile] = Field(min_length=1)
+    zones: ZonesFile | None = None
 
 
 def read(path: Path) -> tuple[SheetFile, Mapping[str, int]]:

@@ -1,0 +1,238 @@
+"""A real range sensor of many zones: what comes back of its light, and what it makes of that.
+
+Each zone is looked at along several rays. A matt surface of reflectance ρ at the distance R, met at
+the angle θ, sends back ρ·cos θ/R². Rays that end close to each other along the axis are one target,
+whose distance is their mean, weighted by what comes back. A target is found where it stands out of
+the dark and of the background. Its distance is off by what stays with the device, and scatters; it
+is rounded to whole counts. The numbers are those of ``zone_numbers``.
+
+What is left out: light that strays into other zones (the sharpener), reflections from one thing to
+another, mirrors, motion within a frame, and what a shaded sensor does below 2 cm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from simcompare.engine.range_sensing import zone_rays
+from simcompare.errors import InputError
+from simcompare.hardware.sensors import zone_numbers
+from simcompare.hardware.sensors.zone_numbers import ZoneNumbers
+from simcompare.model.trajectory import Array
+from simcompare.statistics.streams import stream
+
+#: what the chip says of a zone: UM2884, revision 2, Table 4
+VALID, FIRST, LARGE_PULSE, NEW, NOTHING = 5, 6, 9, 10, 255
+#: those of which half or more can be trusted, by its section 5.5
+TRUSTED = (VALID, FIRST, LARGE_PULSE)
+Codes = NDArray[np.int_]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What the rays of a sensor meet: n frames, z zones, k rays in each.
+
+    Attributes:
+        distance_m: along the axis (n, z, k); ``inf`` where a ray meets nothing.
+        cosine: of the angle between ray and surface (n, z, k).
+        reflectance: of what is met (n, z, k).
+    """
+
+    distance_m: Array
+    cosine: Array
+    reflectance: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """What a sensor tells.
+
+    Attributes:
+        range_m: along the axis (n, z), in whole counts; NaN where there is no target.
+        status: the chip's own code (n, z).
+        targets: targets that were found (n, z).
+        sigma_m: standard deviation of the scatter (n, z); NaN where there is no target.
+    """
+
+    range_m: Array
+    status: Codes
+    targets: Codes
+    sigma_m: Array
+
+    @property
+    def valid(self) -> Flags:
+        """Where half or more can be trusted (n, z)."""
+        return np.isin(self.status, TRUSTED)
+
+
+@dataclass(frozen=True, eq=False)
+class Multizone:
+    """One device.
+
+    Attributes:
+        numbers: of its kind.
+        zones: in a row.
+        geometry: how its angle of view is divided.
+        stays: what stays with it in each zone (z,), in its standard deviations.
+        rate_Hz: frames in a second.
+        ambient_klux: light on the scene.
+        temperature_C: of the device.
+        crosstalk: what a cover glass sends back, as a signal [1/m²]; it draws near targets to 0.
+        order: which of several targets in a zone is told.
+        scatter: factor on all scatter; 0 for none.
+    """
+
+    numbers: ZoneNumbers
+    zones: Literal[4, 8]
+    geometry: str
+    stays: Array
+    rate_Hz: float
+    ambient_klux: float = 0.0
+    temperature_C: float = 23.0
+    crosstalk: float = 0.0
+    order: Literal["strongest", "closest"] = "strongest"
+    scatter: float = 1.0
+
+    @property
+    def latency_s(self) -> float:
+        """Age of a frame when it is told: it is collected during the whole period before."""
+        return 0.5 / self.rate_Hz
+
+    def rays(self, in_a_row: int = 5) -> Array:
+        """Rays (z, in_a_row², 3) in the sensor's frame, until x = 1 m."""
+        return zone_rays(self.zones, self.geometry, in_a_row)
+
+    def read(
+        self, view: View, generator: np.random.Generator, found_before: Flags | None = None
+    ) -> Frames:
+        """What it tells of frames that follow one another.
+
+        Args:
+            view: of the rays that ``rays`` gives.
+            generator: of the scatter; the same state gives the same frames.
+            found_before: which zones (z,) had a target in the frame before; ``None``: there was no
+                frame before.
+        """
+        numbers, (distance, signal, spread, light) = self.numbers, self._targets(view)
+        least = np.hypot(numbers.least_signal, numbers.background * np.sqrt(light))
+        beyond = numbers.background_sigmas * (signal / least - 1)
+        chance = special.ndtr(beyond + special.ndtri(numbers.detection_rate))
+        near_enough = (signal > 0) & (distance <= numbers.reach_m)
+        found = near_enough & (generator.random(chance.shape) < chance)
+        rank = np.where(found, signal if self.order == "strongest" else -distance, -np.inf)
+        chosen = np.argmax(rank, axis=2)[..., None]
+        any_found: Flags = np.asarray(found.any(axis=2))
+        distance, signal, spread = (
+            np.take_along_axis(part, chosen, axis=2)[..., 0] for part in (distance, signal, spread)
+        )
+        sigma = self._sigma(signal, light[..., 0])
+        told = self._with_errors(distance, signal, sigma, generator)
+        status = self._status(any_found, spread, found_before)
+        return Frames(
+            np.where(any_found, told, np.nan), status, found.sum(axis=2),
+            np.where(any_found, sigma, np.nan),
+        )  # fmt: skip
+
+    def _targets(self, view: View) -> tuple[Array, Array, Array, Array]:
+        """Distance, signal and spread of each target (n, z, 4), and the background (n, z, 1)."""
+        rays = self.rays(round(view.distance_m.shape[-1] ** 0.5))
+        order = np.argsort(view.distance_m, axis=2)
+        along, cosine, rho, long = (
+            np.take_along_axis(part, order, axis=2)
+            for part in (view.distance_m, view.cosine, view.reflectance,
+                         np.broadcast_to(np.linalg.norm(rays, axis=2), view.distance_m.shape))
+        )  # fmt: skip
+        met = np.isfinite(along)
+        along = np.where(met, np.maximum(along, 1e-6), 0.0)
+        back = np.where(met, rho * cosine / np.where(met, along * long, 1.0) ** 2, 0.0)
+        back /= along.shape[2]
+        gap = np.diff(along, axis=2, prepend=along[..., :1]) > self.numbers.separation_m
+        which, found = np.cumsum(gap & met, axis=2), []
+        for number in range(int(self.numbers.targets)):
+            own = np.where(which == number, back, 0.0)
+            signal = own.sum(axis=2)
+            whole = np.where(signal > 0, signal, 1.0)
+            mean = (own * along).sum(axis=2) / whole
+            spread = np.sqrt((own * (along - mean[..., None]) ** 2).sum(axis=2) / whole)
+            found.append((mean, signal, spread))
+        distance, signal, spread = (np.stack(part, axis=2) for part in zip(*found, strict=True))
+        light = self.ambient_klux * np.where(met, rho, 0.0).mean(axis=2)
+        return distance, signal, spread, light[..., None]
+
+    def _sigma(self, signal: Array, light: Array) -> Array:
+        numbers, signal = self.numbers, np.maximum(signal, 1e-9)
+        dark = numbers.dark_scatter_m / np.sqrt(signal)
+        ambient = numbers.ambient_scatter_m * np.sqrt(light) / signal
+        return self.scatter * np.sqrt(numbers.noise_floor_m**2 + dark**2 + ambient**2)
+
+    def _with_errors(
+        self, distance: Array, signal: Array, sigma: Array, generator: np.random.Generator
+    ) -> Array:
+        numbers = self.numbers
+        drawn_near = distance * signal / np.maximum(signal + self.crosstalk, 1e-12)
+        stays = self.stays * np.maximum(numbers.stays_near_m, numbers.stays_far * distance)
+        drift = numbers.drift_m_per_K * (self.temperature_C - numbers.nominal_C)
+        told = drawn_near + stays + drift + sigma * generator.standard_normal(distance.shape)
+        counts = np.rint(np.clip(told, 0.0, None) / numbers.count_m)
+        return np.asarray(counts * numbers.count_m, dtype=float)
+
+    def _status(self, found: Flags, spread: Array, before: Flags | None) -> Codes:
+        status = np.where(spread > self.numbers.pulse_m, LARGE_PULSE, VALID)
+        earlier = np.empty_like(found)
+        earlier[1:] = found[:-1]
+        earlier[0] = True if before is None else before
+        status = np.where(earlier, status, NEW)
+        if before is None:
+            status[0] = FIRST
+        return np.where(found, status, NOTHING)
+
+
+def drawn(
+    sheet: str = "vl53l5cx", *, zones: Literal[4, 8] = 8, seed: int, device_name: str = "",
+    geometry: str = "equal_angle", **settings: object,
+) -> Multizone:  # fmt: skip
+    """A device drawn from a data sheet: what stays with it is drawn once, by its name.
+
+    Args:
+        sheet: name or file of a data sheet with zones.
+        zones: in a row.
+        seed: of all streams.
+        device_name: whose errors they are.
+        geometry: "equal_angle" or "rectilinear".
+        settings: other fields of ``Multizone``, such as ``ambient_klux``.
+
+    Raises:
+        InputError: the sheet has no zones, or a setting that cannot be.
+    """
+    numbers = zone_numbers.load(sheet).numbers(zones)
+    normal = stream(seed, device_name or sheet, "zones", "stays").standard_normal(1 + zones**2)
+    stays = np.sqrt(numbers.shared) * normal[0] + np.sqrt(1 - numbers.shared) * normal[1:]
+    rate = {"rate_Hz": numbers.rate_Hz} | settings
+    return _checked(Multizone(numbers, zones, geometry, stays, **rate))  # type: ignore[arg-type]
+
+
+def ideal(device: Multizone) -> Multizone:
+    """The same device without scatter and without what stays; it still misses weak targets."""
+    return replace(device, stays=np.zeros_like(device.stays), scatter=0.0)
+
+
+def _checked(device: Multizone) -> Multizone:
+    most = device.numbers.rate_Hz
+    faults = [
+        f"{name} is {getattr(device, name):g}; expected 0 or more"
+        for name in ("ambient_klux", "crosstalk", "scatter")
+        if not getattr(device, name) >= 0
+    ]
+    if not 0 < device.rate_Hz <= most:
+        faults.append(f"rate_Hz is {device.rate_Hz:g}; expected more than 0, at most {most:g}")
+    if device.order not in ("strongest", "closest"):
+        faults.append(f"order is {device.order}; expected strongest or closest")
+    if faults:
+        raise InputError("range sensor", faults)
+    return device

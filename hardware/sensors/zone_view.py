@@ -1,0 +1,106 @@
+"""What a range sensor of a scenario looks at, over a trajectory: rays, surfaces, reflectances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from simcompare.engine.kinematics import placed_on
+from simcompare.engine.ray_scene import RayScene
+from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.sensors.multizone import Frames, Multizone, View
+from simcompare.model.rotations import rotate
+from simcompare.model.scenario import Scenario
+from simcompare.model.trajectory import Array, Trajectory
+
+#: of bodies of which none is said: the white target of the data sheet
+WHITE = 0.88
+
+
+def view(
+    device: Multizone,
+    scenario: Scenario,
+    sensor: str,
+    signals: Mapping[str, Array],
+    reflectance: Mapping[str, float] | None = None,
+    in_a_row: int = 5,
+) -> View:
+    """What the rays of a sensor meet, by our own casting.
+
+    Args:
+        device: whose rays they are.
+        scenario: the scene.
+        sensor: name of a sensor that looks.
+        signals: position and orientation of all moving bodies, in n samples.
+        reflectance: of bodies at the sensor's wavelength, 0 to 1; white where none is said.
+        in_a_row: rays in a row of a zone, and rows of them.
+
+    Raises:
+        UnknownName: no such sensor, or no such body.
+        InputError: a reflectance that cannot be.
+    """
+    looking = scenario.range_sensors()
+    if sensor not in looking:
+        raise UnknownName(f"range sensor of {scenario.name}", sensor, looking)
+    own = looking[sensor]
+    count = next((len(values) for values in signals.values()), 1)
+    place, turn = placed_on(scenario, own, count, signals)
+    rays = device.rays(in_a_row).reshape(-1, 3)
+    lengths = np.linalg.norm(rays, axis=1)
+    along = rotate(np.repeat(turn, len(rays), 0), np.tile(rays / lengths[:, None], (count, 1)))
+    along = along.reshape(count, -1, 3)
+    seen = RayScene(scenario, own.body or "")
+    hits = seen.cast(place, along, signals)
+    matt = np.array([*_reflectances(seen, scenario, reflectance or {}), 0.0])
+    cosine = -np.einsum("nki,nki->nk", hits.normal, along)
+    shape = (count, device.zones**2, -1)
+    return View(
+        (hits.distance_m / lengths).reshape(shape), cosine.reshape(shape),
+        matt[hits.index].reshape(shape),
+    )  # fmt: skip
+
+
+def frames(
+    device: Multizone,
+    scenario: Scenario,
+    sensor: str,
+    trajectory: Trajectory,
+    generator: np.random.Generator,
+    reflectance: Mapping[str, float] | None = None,
+) -> tuple[Array, Frames]:
+    """What a device tells over a trajectory, a frame for each of its periods.
+
+    The scene of a frame is that of the sample nearest to the middle of its period.
+
+    Returns:
+        Times at which frames are told (m,) [s], and the frames.
+
+    Raises:
+        InputError: the trajectory is shorter than a period.
+    """
+    period_s, time_s = 1 / device.rate_Hz, trajectory.time_s
+    count = int((time_s[-1] - time_s[0]) / period_s * (1 + 1e-12) + 1e-9)
+    if count < 1:
+        length = f"{time_s[-1] - time_s[0]:g} s are no whole frame of {period_s:.4g} s"
+        raise InputError(f"range sensor {sensor}", [f"{length}; simulate for longer"])
+    told = time_s[0] + period_s * np.arange(1, count + 1)
+    middle = told - device.latency_s
+    nearest = np.abs(time_s[:, None] - middle).argmin(axis=0)
+    poses = {
+        f"{name}.{part}": trajectory.signals[f"{name}.{part}"][nearest]
+        for name in scenario.moving_bodies()
+        for part in ("position_m", "orientation_wxyz")
+    }
+    poses = poses or {"": nearest.astype(float)}
+    looked = view(device, scenario, sensor, poses, reflectance)
+    return told, device.read(looked, generator)
+
+
+def _reflectances(seen: RayScene, scenario: Scenario, said: Mapping[str, float]) -> list[float]:
+    for name, value in said.items():
+        if name not in scenario.bodies:
+            raise UnknownName(f"body of {scenario.name}", name, scenario.bodies)
+        if not 0 <= value <= 1:
+            raise InputError(f"reflectance of {name}", [f"{value:g}; expected 0 to 1"])
+    return [said.get(name, WHITE) for name in seen.bodies]
