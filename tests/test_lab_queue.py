@@ -5,12 +5,13 @@ import os
 
 import pytest
 
-from simcompare.lab import contents, desk, queue
+from simcompare.lab import contents, desk, queue, work
 from simcompare.lab.desk import Ending, Task
 from simcompare.lab.groups import Groups, key_of
 from simcompare.lab.pin import Pin
 from simcompare.lab.queue import Job, Queue
 from simcompare.lab.refusals import LANGUAGES, Refused, language_of, sentences
+from tests import lab_stand_in
 
 
 class FakeDesk:
@@ -117,6 +118,36 @@ def test_one_worker_is_kept_free_of_long_jobs(monkeypatch, kind):
 
     asyncio.run(fits_and_a_run())
     assert FakeDesk.done == ["d0", "a0"] or FakeDesk.done == ["a0", "d0"]
+
+
+# ---- workers
+
+
+def process_of(worker):
+    (found,) = worker._pool._processes.values()
+    return found
+
+
+def test_a_worker_ends_with_its_engines_also_when_nobody_kills_it():
+    worker = desk.Desk(work.perform)
+    process = process_of(worker)
+    try:
+        worker._warm.result()
+        worker._pool.shutdown(wait=False)
+        process.join(120)  # far beyond what the slowest machine needs
+        assert process.exitcode == 0
+    finally:
+        worker.end()
+
+
+def test_a_worker_that_only_begins_when_the_lab_ends_does_nothing(tmp_path):
+    worker = desk.Desk(lab_stand_in.perform)
+    process, done = process_of(worker), worker._pool.submit(os.mkdir, tmp_path / "done")
+    worker.end()
+    process.join(120)
+    assert process.exitcode == 0
+    assert done.cancelled() or done.exception() is not None
+    assert not (tmp_path / "done").exists()
 
 
 # ---- contents

@@ -32,6 +32,8 @@ _KEPT = 50
 #: runs that are remembered; memory of a worker and of each of its engines
 _RUNS, _MEMORY_BYTES = 20, 4 * 2**30
 _runs: dict[str, dict[str, Any]] = {}
+#: in place of the number of a worker that shall not begin
+_UNWANTED = -1
 
 #: what a job does: its kind and its request become a result
 Perform = Callable[[str, dict[str, Any]], dict[str, Any]]
@@ -91,7 +93,7 @@ class Desk:
     def _begin(self) -> None:
         context = multiprocessing.get_context("spawn")
         self._share: Any = context.Value("d", 0.0, lock=False)
-        self._pid: Any = context.Value("l", 0, lock=False)
+        self._pid: Any = context.Value("l", 0)
         shared = (self._share, self._pid)
         self._pool = ProcessPoolExecutor(1, context, initializer=_enter, initargs=shared)
         self._warm: Future[None] = self._pool.submit(_load, self._perform)
@@ -124,22 +126,27 @@ class Desk:
         self._begin()
 
     def end(self) -> None:
-        """Ends the process and all that it has started."""
-        if self._pid.value:
+        """Ends the process and all that it has started; one that only begins ends by itself."""
+        with self._pid.get_lock():
+            pid, self._pid.value = self._pid.value, _UNWANTED
+        if pid > 0:
             with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(self._pid.value, signal.SIGKILL)
-        self._pool.shutdown(wait=bool(self._pid.value), cancel_futures=True)
+                os.killpg(pid, signal.SIGKILL)
+        self._pool.shutdown(wait=pid > 0, cancel_futures=True)
 
 
 def _enter(share: Any, pid: Any) -> None:  # noqa: ANN401
     """First of all in the worker: Ctrl-C reaches the server alone, whose end is ours, too."""
     os.setsid()
+    with pid.get_lock():
+        if pid.value == _UNWANTED:
+            os._exit(0)
+        pid.value = os.getpid()
     _limit_memory()
     parent = multiprocessing.parent_process()
     if parent is not None:
         guard.begin(parent.sentinel)
     progress.tell_to(share)
-    pid.value = os.getpid()
 
 
 def _limit_memory() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import functools
 import multiprocessing
@@ -48,6 +49,7 @@ def _keep_engines() -> None:
     if multiprocessing.parent_process() is None:  # nobody's worker
         return
     _KEPT.enter_context(kept_processes())
+    atexit.register(_KEPT.close)  # later, threads that wait for these processes stand still
 
 
 def _warm(asked: Asked) -> Plain:
