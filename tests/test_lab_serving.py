@@ -1,6 +1,7 @@
 """The lab as it is opened: real connections, https, Ctrl-C, and what the command refuses."""
 
 import contextlib
+import errno
 import http.client
 import json
 import os
@@ -95,7 +96,7 @@ def test_it_listens_to_this_machine_alone_unless_it_is_shared(plain):
 
 def test_a_shared_lab_speaks_https_with_its_own_certificate(tmp_path):
     with served(tmp_path, shared=True, host="192.0.2.7", pin="4711") as opened:
-        assert opened.listening.getsockname()[0] == "0.0.0.0"
+        assert opened.listening.getsockname()[0] in ("0.0.0.0", "::")
         trusting = ssl.create_default_context(cafile=tmp_path / "certificate" / "certificate.pem")
         trusting.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
         connection = http.client.HTTPSConnection("127.0.0.1", port_of(opened), context=trusting)
@@ -110,7 +111,8 @@ def test_a_shared_lab_speaks_https_with_its_own_certificate(tmp_path):
 
 
 def test_a_shared_lab_always_has_a_pin(tmp_path):
-    opened = serving.open_lab(serving.Wanted(tmp_path, 0, shared=True), lab_stand_in.perform)
+    wanted = serving.Wanted(tmp_path, 0, shared=True, host="192.0.2.7")
+    opened = serving.open_lab(wanted, lab_stand_in.perform)
     opened.listening.close()
     assert opened.lab.pin.is_wanted
     assert opened.pin.isdigit()
@@ -253,8 +255,62 @@ def test_a_certificate_is_kept_while_it_holds_and_made_anew_for_another_name(tmp
     assert share.certificate(tmp_path, ["localhost"]).fingerprint != other.fingerprint
 
 
-def test_addresses_are_those_of_others(monkeypatch):
+def test_addresses_are_those_of_others():
     assert not {"127.0.0.1", "::1", "0.0.0.0"} & set(share.addresses())
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [
+        ("Lecturer.example", ["lecturer.example", "lecturer.local"]),
+        ("my_laptop", []),
+        ("a" * 64, []),
+        ("localhost", []),
+        ("m\u00fcller", ["xn--mller-kva", "xn--mller-kva.local"]),
+    ],
+)
+def test_names_of_this_machine_that_no_certificate_can_hold_are_left_out(monkeypatch, name, found):
+    monkeypatch.setattr(socket, "gethostname", lambda: name)
+    assert share.names() == found
+    share.addresses()
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["https://192.0.2.7:8000/", "192.0.2.7:1", "foo bar", "<b>", "*.x", "a" * 300, "fe80::1%1"],
+)
+def test_a_host_that_is_none_is_refused(tmp_path, host):
+    wanted = serving.Wanted(tmp_path / "lab", 0, shared=True, host=host)
+    with pytest.raises(InputError, match="is no name or address of a computer"):
+        serving.open_lab(wanted, lab_stand_in.perform)
+    assert not (tmp_path / "lab").exists()
+
+
+def test_phones_cannot_get_in_without_a_network(tmp_path, monkeypatch):
+    monkeypatch.setattr(share, "addresses", list)
+    wanted = serving.Wanted(tmp_path, 0, shared=True)
+    with pytest.raises(InputError, match="join the Wi-Fi"):
+        serving.open_lab(wanted, lab_stand_in.perform)
+
+
+def test_a_shared_lab_answers_to_both_kinds_of_addresses(tmp_path):
+    if not socket.has_dualstack_ipv6():
+        pytest.skip("this machine has no IPv6")
+    with served(tmp_path, shared=True, host="fd00::7") as opened:
+        assert opened.lab.address == f"https://[fd00::7]:{port_of(opened)}/"
+        for address in ("::1", "127.0.0.1"):
+            with socket.create_connection((address, port_of(opened)), timeout=30):
+                pass
+
+
+@pytest.mark.parametrize(("port", "other"), [(80, 8000), (8000, 8001), (65535, 8000)])
+def test_a_port_that_may_not_be_had_is_told_with_one_that_may(tmp_path, monkeypatch, port, other):
+    def refuse(*_, **__):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(socket, "create_server", refuse)
+    with pytest.raises(InputError, match=f"Permission denied; .* --port {other}$"):
+        serving.open_lab(serving.Wanted(tmp_path, port), lab_stand_in.perform)
 
 
 def test_the_code_in_the_terminal_can_be_scanned():

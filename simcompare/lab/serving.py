@@ -83,12 +83,12 @@ def open_lab(wanted: Wanted, perform: Perform) -> Opened:
         perform: what a job does.
 
     Raises:
-        InputError: the folder cannot be written, or the port is taken.
+        InputError: the folder cannot be written, the port is taken, or no phone gets here.
     """
-    groups = _groups(wanted.folder)
-    listening = _listen("0.0.0.0" if wanted.shared else "127.0.0.1", wanted.port)
-    port = int(listening.getsockname()[1])
     hosts = [*share.LOCAL, *(_outside(wanted) if wanted.shared else ())]
+    groups = _groups(wanted.folder)
+    listening = _listen(wanted)
+    port = int(listening.getsockname()[1])
     pin = wanted.pin or (f"{secrets.randbelow(10**6):06d}" if wanted.shared else None)
     lab = Lab(groups, Queue(perform, os.cpu_count() or 2), Pin(pin))
     certificate = share.certificate(groups.folder, hosts) if wanted.shared else None
@@ -137,9 +137,23 @@ def _server(app: ASGIApp, certificate: share.Certificate | None) -> uvicorn.Serv
 
 
 def _outside(wanted: Wanted) -> list[str]:
-    """Names and addresses by which others reach this machine, that to be scanned first."""
-    found = [*share.addresses(), *share.names()]
-    return [*dict.fromkeys([wanted.host.lower(), *found] if wanted.host else found)]
+    """Names and addresses by which others reach this machine, that to be scanned first.
+
+    Raises:
+        InputError: what they are told to use is none, or there is none.
+    """
+    found = share.addresses()
+    if wanted.host:
+        try:
+            found.insert(0, share.host(wanted.host))
+        except ValueError:
+            cure = "give it without https:// and without a port, such as 192.168.1.5"
+            fault = f"is no name or address of a computer; {cure}"
+            raise InputError(f"--host {wanted.host:.60}", [fault]) from None
+    if not found:
+        cure = "join the Wi-Fi and start again, or leave out --share"
+        raise InputError("--share", [f"no phone can get here without a network; {cure}"])
+    return [*dict.fromkeys([*found, *share.names()])]
 
 
 def _groups(folder: Path) -> Groups:
@@ -149,19 +163,20 @@ def _groups(folder: Path) -> Groups:
         raise InputError(f"--folder {folder}", [f"cannot be written: {error.strerror}"]) from None
 
 
-def _listen(address: str, port: int) -> socket.socket:
-    """A socket that listens.
+def _listen(wanted: Wanted) -> socket.socket:
+    """A socket that listens: to this machine alone, or to all with either kind of address.
 
     Raises:
         InputError: the port is taken.
     """
-    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    port, both = wanted.port, wanted.shared and socket.has_dualstack_ipv6()
+    family = socket.AF_INET6 if both else socket.AF_INET
+    address = ("" if wanted.shared else "127.0.0.1", port)
     try:
-        listening.bind((address, port))
-        listening.listen(_CONNECTIONS)
+        return socket.create_server(
+            address, family=family, backlog=_CONNECTIONS, dualstack_ipv6=both
+        )
     except OSError as error:
-        listening.close()
-        cure = f"cure: simcompare lab --port {port + 1 if port < 65535 else 8000}"
-        raise InputError(f"--port {port}", [f"cannot be had: {error.strerror}; {cure}"]) from None
-    return listening
+        other = port + 1 if 1024 <= port < 65535 else 8000
+        fault = f"cannot be had: {os.strerror(error.errno or 0)}; cure: simcompare lab --port"
+        raise InputError(f"--port {port}", [f"{fault} {other}"]) from None

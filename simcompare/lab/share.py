@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import idna
 import segno
 import trustme
 from cryptography import x509
@@ -42,16 +43,32 @@ class Certificate:
 def addresses() -> list[str]:
     """Addresses of this machine in its network, the one that leads outside first."""
     found = [*filter(None, (_way_out(*way) for way in _OUTSIDE))]
-    with contextlib.suppress(OSError):
+    with contextlib.suppress(OSError, UnicodeError):
         found += [str(one[4][0]) for one in socket.getaddrinfo(socket.gethostname(), None)]
     usable = [one for one in dict.fromkeys(found) if _leads_here(one)]
     return sorted(usable, key=lambda one: ":" in one)
 
 
 def names() -> list[str]:
-    """Names of this machine."""
-    name = socket.gethostname().lower()
-    return [*dict.fromkeys((name, f"{name.partition('.')[0]}.local"))]
+    """Names of this machine; some can be in no certificate, and none leads to itself alone."""
+    name, found = socket.gethostname(), []
+    for one in (name, f"{name.partition('.')[0]}.local"):
+        with contextlib.suppress(ValueError):
+            found.append(host(one))
+    return [one for one in dict.fromkeys(found) if one.partition(".")[0] != LOCAL[0]]
+
+
+def host(text: str) -> str:
+    """A name or address as browsers say it.
+
+    Raises:
+        ValueError: it is neither.
+    """
+    if "%" in text:  # of one link alone
+        raise ValueError(text)
+    with contextlib.suppress(ValueError):
+        return str(ipaddress.ip_address(text))
+    return idna.encode(text, uts46=True).decode("ascii")
 
 
 def _way_out(family: socket.AddressFamily, there: str) -> str | None:
