@@ -28,6 +28,7 @@ from simcompare import cli
 from simcompare.cli import lab as lab_verb
 from simcompare.errors import InputError
 from simcompare.lab import connections, serving, share, uploads
+from simcompare.lab.groups import Groups
 from tests import lab_stand_in
 from tests.test_lab_server import WAV
 
@@ -357,6 +358,17 @@ def test_a_port_that_is_taken_is_told_with_its_cure(tmp_path, plain):
     wanted = serving.Wanted(tmp_path, port_of(plain))
     with pytest.raises(InputError, match="cure: simcompare lab --port"):
         serving.open_lab(wanted, lab_stand_in.perform)
+
+
+def test_a_lab_that_nobody_used_leaves_no_folder(tmp_path):
+    for name, is_there in (("unused", False), ("used", True), ("before", True)):
+        folder = tmp_path / name
+        if name == "before":
+            folder.mkdir()
+        groups = Groups(folder)
+        if name == "used":
+            groups.join("Newton")
+        assert groups.leave() is folder.exists() is is_there
 
 
 def test_a_folder_that_is_a_file_is_told(tmp_path):

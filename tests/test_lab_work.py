@@ -91,6 +91,12 @@ def test_still_is_drawn_for_each_level_where_it_is_asked_for(ran) -> None:
     assert "pictures" not in ran["replay"]
 
 
+def test_job_without_a_scenario_is_told_what_is_missing(tmp_path) -> None:
+    for kind in ("run", "fit", "script"):
+        with pytest.raises(InputError, match="scenario: is missing; this job needs one"):
+            perform(kind, {"levels": ["tuned"], "folder": str(tmp_path), "id": "0" * 16})
+
+
 def test_scenario_in_which_nothing_bounces_has_no_values_for_a_bounce() -> None:
     found = perform("scenario", {"name": "pendulum"})
     assert not any(one["contact"] for one in found["engines"])

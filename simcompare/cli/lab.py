@@ -43,7 +43,9 @@ def lab(
             opening.open_address(page)
 
     serving.serve(made, begun)
-    console.print_wrapped([f"The lab is closed. What the groups have made is in {folder}."])
+    is_used = made.lab.groups.leave()
+    kept = f" What the groups have made is in {folder}." if is_used else ""
+    console.print_wrapped([f"The lab is closed.{kept}"])
 
 
 def _check(*, share: bool, host: str | None, pin: str | None, language: str | None) -> None:

@@ -73,6 +73,8 @@ class Asked:
     def text(self, key: str, otherwise: str | None = None) -> str:
         """A text."""
         value = self.request.get(key, otherwise)
+        if value is None:
+            raise InputError(key, ["is missing; this job needs one"])
         if not isinstance(value, str):
             raise InputError(key, ["expected a text"])
         return value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import re
@@ -106,9 +107,17 @@ class Groups:
     """
 
     def __init__(self, folder: Path) -> None:
+        self._is_new = not folder.exists()
         folder.mkdir(parents=True, exist_ok=True)
         self.folder = folder.resolve()
         whole.probe(self.folder)
+
+    def leave(self) -> bool:
+        """Takes a new folder away in which nobody has left anything; whether there is one."""
+        if self._is_new:
+            with contextlib.suppress(OSError):  # it is not empty
+                self.folder.rmdir()
+        return self.folder.is_dir()
 
     def find(self, name: str) -> Group:
         """The group of a name or key.
