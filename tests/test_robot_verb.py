@@ -123,3 +123,26 @@ def test_faults_end_with_2_and_no_traceback(tmp_path):
     assert done.exit_code == 2
     assert "is wider than the chassis" in done.output
     assert call("--robot", tmp_path / "none.yaml").exit_code == 2
+
+
+def test_models_show_every_part_in_its_place(without_cad, tmp_path):
+    """The boxes that are seen, from the axle: those of the file."""
+    simcompare.robot(out=tmp_path)
+    robot = robot_file.read()
+    center = built.body_of(robot).center_m
+    (link,) = ET.parse(tmp_path / "robot.urdf").getroot().findall("link[@name='chassis']")
+    seen = {
+        tuple(float(x) for x in visual.find("geometry/box").get("size").split()): [
+            float(x) + shift
+            for x, shift in zip(visual.find("origin").get("xyz").split(), center, strict=True)
+        ]
+        for visual in link.findall("visual")
+        if visual.find("geometry/box") is not None
+    }
+    for name in ("battery", "board", "imu", "range_sensor"):
+        part = robot.parts[name]
+        assert seen[part.size_m] == pytest.approx(part.position_m, abs=1e-12), name
+    # what touches stays the caster's ball alone
+    assert len(link.findall("collision")) == 1
+    in_sdf = ET.parse(tmp_path / "robot.sdf").getroot().find(".//link[@name='chassis']")
+    assert len(in_sdf.findall("visual")) == len(link.findall("visual")) > 15

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from simcompare.hardware.robot.description import Part, Robot
 from simcompare.hardware.robot.solids import Mass, Solid, mass_of, together, volume_m3
-from simcompare.model.shapes import Vector
+from simcompare.model.shapes import Box, Cylinder, Shape, Vector
+from simcompare.model.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,13 @@ def parameters(robot: Robot) -> Mapping[str, float]:
     }
 
 
+def drawn(robot: Robot) -> tuple[Shape, ...]:
+    """All but the wheels as shapes in the body's frame, whose origin is its centre of mass."""
+    center = body_of(robot).center_m
+    solids = [one for part in placed(robot) if not part.is_wheel for one in part.solids]
+    return tuple(_drawn(one, one.position_m - center) for one in solids if not one.is_hole)
+
+
 def products_kg_m2(robot: Robot) -> Vector:
     """Products of inertia I_xy, I_xz and I_yz of the body, which no scenario's parameter holds."""
     inertia = body_of(robot).inertia_kg_m2
@@ -128,6 +136,19 @@ def _of_part(name: str, part: Part) -> list[Placed]:
         Placed(f"{side}_{name}", place, part.mass_kg, (_box(part.size_m, at),))
         for side, at in (("left", (x, abs(y), z)), ("right", (x, -abs(y), z)))
     ]
+
+
+def _drawn(solid: Solid, place: Array) -> Shape:
+    """A box, or an upright cylinder: no others are on the body."""
+    x, y, z = place.tolist()
+    if solid.kind == "box":
+        return Box(type="box", size_m=solid.size_m, position_m=(x, y, z))
+    return Cylinder(
+        type="cylinder",
+        radius_m=solid.radius_m,
+        length_m=solid.size_m[2],
+        position_m=(x, y, z),
+    )
 
 
 def _box(size: Vector, position: Vector) -> Solid:

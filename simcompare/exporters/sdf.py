@@ -42,7 +42,8 @@ def write(scenario: Scenario) -> Twin:
     """
     parts.refuse(scenario, "sdf", parts.joint_faults(scenario, ball=True, limits=True))
     parts.check_names(scenario, "sdf", ["world"])
-    capsules = any(s.type == "capsule" for body in scenario.bodies.values() for s in body.shapes)
+    bodies = scenario.bodies.values()
+    capsules = any(s.type == "capsule" for body in bodies for s in (*body.shapes, *body.visual))
     root = ET.Element("sdf", version="1.8" if capsules else "1.7")
     world = add(root, "world", name=scenario.name)
     _add_physics(world, scenario)
@@ -122,8 +123,8 @@ def _add_link(
         _add_pose(link, *parts.seen_from(base, body))
     if not body.fixed:
         _add_inertial(link, body)
-    for i, shape in enumerate(body.shapes):
-        for kind in ("visual", "collision"):
+    for kind, shapes in (("visual", body.visual or body.shapes), ("collision", body.shapes)):
+        for i, shape in enumerate(shapes):
             element = add(link, kind, name=f"{kind}_{i}")
             _add_shape(element, shape)
             if kind == "collision" and name in surfaces.friction:

@@ -85,8 +85,8 @@ def _add_link(robot: ET.Element, name: str, body: Body, origin: Vector) -> None:
     add(inertial, "mass", value=number(mass))
     tensor = dict(zip(("ixx", "iyy", "izz"), map(number, moments), strict=True))
     add(inertial, "inertia", **tensor, ixy="0", ixz="0", iyz="0")
-    for kind in ("visual", "collision"):
-        for shape in body.shapes:
+    for kind, shapes in (("visual", body.visual or body.shapes), ("collision", body.shapes)):
+        for shape in shapes:
             for geometry, position, orientation in _geometries(shape):
                 element = add(link, kind)
                 _add_origin(element, parts.difference(position, origin), orientation)

@@ -14,6 +14,7 @@ from simcompare.hardware.robot import bill, built, cad, robot_file
 from simcompare.hardware.robot.cad import CadMissing
 from simcompare.hardware.robot.description import Robot
 from simcompare.hardware.robot.ros_package import package_files
+from simcompare.model.scenario import Scenario
 from simcompare.reports.render import output
 from simcompare.scenarios import catalogue
 from simcompare.verbs import robot_values
@@ -89,7 +90,7 @@ def _contents(
 ) -> Iterator[tuple[str, bytes]]:
     """Path -> content of every file, the drawings last; what is missing is told."""
     file = catalogue.load(made.scenario)
-    scenario = file.resolve(robot_values.of_file(file, robot or robot_file.OWN))
+    scenario = _seen(file.resolve(robot_values.of_file(file, robot or robot_file.OWN)), made)
     products = {made.body: built.products_kg_m2(made)}
     for format, ending in FORMATS.items():
         text = with_products(twin(scenario, format=format), products).text
@@ -110,6 +111,12 @@ def _contents(
         )
     except CadMissing as missing:
         left_out.append(str(missing))
+
+
+def _seen(scenario: Scenario, made: Robot) -> Scenario:
+    """The scenario in which the robot looks as its parts do."""
+    body = scenario.bodies[made.body].model_copy(update={"visual": built.drawn(made)})
+    return scenario.model_copy(update={"bodies": {**scenario.bodies, made.body: body}})
 
 
 def _mark(path: str, content: bytes) -> bytes:
