@@ -10,10 +10,20 @@ import yaml
 
 from simcompare.hardware.robot.built import body_of
 from simcompare.hardware.robot.description import Robot
+from simcompare.hardware.robot.wiring import leads
 
 _HERE = Path(__file__).parent / "ros"
 #: what the modules are imported by here; the package has its own name
 _OURS = "simcompare.hardware.robot.ros"
+#: where the controller's program is
+CONTROLLER = "controller/main.py"
+#: numbers of pins in it -> the wires that lead there
+_WIRES = {
+    "left_speed": "driver.PWMA", "left_forward": "driver.AIN1", "left_backward": "driver.AIN2",
+    "right_speed": "driver.PWMB", "right_forward": "driver.BIN1", "right_backward": "driver.BIN2",
+    "left_barrier": "left_encoder.DO", "right_barrier": "right_encoder.DO",
+    "standby": "driver.STBY", "sda": "imu.SDA", "scl": "imu.SCL",
+}  # fmt: skip
 _MADE = "# made by simcompare\n"
 
 
@@ -36,7 +46,23 @@ def package_files(robot: Robot, urdf: str) -> Mapping[str, str]:
     made[f"urdf/{robot.name}.urdf"] = urdf
     made["config/driver.yaml"] = _settings(robot)
     made[f"resource/{package}"] = ""
+    made |= _controller(robot)
     return {f"{package}/{path}": text for path, text in made.items()}
+
+
+def _controller(robot: Robot) -> Mapping[str, str]:
+    """What runs on the controller; nothing where it, or a wire that it needs, is another one."""
+    pins = {
+        f"{one.name}.{one.pin}": one.to_pin.removeprefix("IO")
+        for one in leads(robot)
+        if one.to_pin.startswith("IO")
+    }
+    imu = robot.parts.get("imu")
+    if imu is None or imu.i2c is None or not pins.keys() >= set(_WIRES.values()):
+        return {}
+    words = {word: pins[wire] for word, wire in _WIRES.items()}
+    text = Template(_read("controller.py.txt")).substitute(words, imu_address=hex(imu.i2c))
+    return {CONTROLLER: text}
 
 
 def _read(name: str) -> str:

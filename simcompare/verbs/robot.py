@@ -13,7 +13,7 @@ from simcompare.exporters.twins import FORMATS, twin
 from simcompare.hardware.robot import bill, built, cad, robot_file
 from simcompare.hardware.robot.cad import CadMissing
 from simcompare.hardware.robot.description import Robot
-from simcompare.hardware.robot.ros_package import package_files
+from simcompare.hardware.robot.ros_package import CONTROLLER, package_files
 from simcompare.model.scenario import Scenario
 from simcompare.reports.render import output
 from simcompare.scenarios import catalogue
@@ -96,8 +96,11 @@ def _contents(
         text = with_products(twin(scenario, format=format), products).text
         yield f"{made.name}{ending}", text.encode()
         if format == "urdf":
-            for path, part in package_files(made, text).items():
+            package = package_files(made, text)
+            for path, part in package.items():
                 yield path, part.encode()
+            if not any(path.endswith(CONTROLLER) for path in package):
+                left_out.append("the controller's program: it is for the parts and pins of ours")
     yield "bill_of_materials.csv", bill.bill(made).encode()
     yield "wiring.csv", bill.wiring(made).encode()
     yield "pins.csv", bill.pins(made).encode()
