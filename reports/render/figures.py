@@ -69,15 +69,19 @@ class Bars:
 
 @dataclass(frozen=True)
 class Matrix:
-    """Cells between -1 and 1 with a number in each; told by the numbers, not by colour alone.
+    """Cells with a number in each; told by the numbers, not by colour alone.
 
     Attributes:
         values: rows from the top (n, m); NaN is an empty cell.
         places: digits after the point.
+        limits: values at the first and the last of the colours.
+        colours: of the cells, as ``#rrggbb``, pale enough for dark digits; evenly between these.
     """
 
     values: Array
     places: int = 2
+    limits: tuple[float, float] = (-1.0, 1.0)
+    colours: tuple[str, ...] = ("#5AA6DC", "#FFFFFF", "#F0A35C")
 
     @property
     def texts(self) -> list[list[str]]:
@@ -88,8 +92,8 @@ class Matrix:
         ]
 
 
-#: colours of a matrix at -1, 0 and 1, pale enough for dark digits
-MATRIX_COLOURS = ("#5AA6DC", "#FFFFFF", "#F0A35C")
+#: for sizes that have no sign: the smallest is the darkest
+GREYS = ("#8C8C8C", "#FFFFFF")
 
 
 @dataclass(frozen=True)

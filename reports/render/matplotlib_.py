@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from simcompare.reports.render.decimation import decimated
 from simcompare.reports.render.figures import (
-    MATRIX_COLOURS,
     Band,
     Bars,
     Figure,
@@ -276,8 +275,8 @@ def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the leg
 def _matrix(axes: Axes, matrix: Matrix) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
-    colours = LinearSegmentedColormap.from_list("signed", MATRIX_COLOURS)
-    axes.imshow(matrix.values, cmap=colours, vmin=-1, vmax=1, aspect="auto", zorder=2)
+    colours, (low, high) = LinearSegmentedColormap.from_list("", matrix.colours), matrix.limits
+    axes.imshow(matrix.values, cmap=colours, vmin=low, vmax=high, aspect="auto", zorder=2)
     for i, row in enumerate(matrix.texts):
         for k, text in enumerate(row):
             axes.text(k, i, text, ha="center", va="center", color="#222222", zorder=3)

@@ -10,7 +10,6 @@ import numpy as np
 from simcompare.model.trajectory import Array
 from simcompare.reports.render.decimation import decimated
 from simcompare.reports.render.figures import (
-    MATRIX_COLOURS,
     Band,
     Bars,
     Matrix,
@@ -113,13 +112,14 @@ def shade_of(series: Series, axis: str, *, listed: bool) -> Json:
 
 def matrix_of(matrix: Matrix, axis: str) -> Json:
     """Cells with their numbers."""
-    rows, columns = matrix.values.shape
+    (rows, columns), last = matrix.values.shape, len(matrix.colours) - 1
     return {
         "type": "heatmap", "z": [_numbers(row) for row in matrix.values],
         "x": list(range(columns)), "y": list(range(rows)), "text": matrix.texts,
         "texttemplate": "%{text}", "textfont": {"color": INK, "size": FONT_PX},
-        "colorscale": [[i / 2, colour] for i, colour in enumerate(MATRIX_COLOURS)],
-        "zmin": -1, "zmax": 1, "showscale": False, "xgap": 2, "ygap": 2, "hoverinfo": "text",
+        "colorscale": [[i / last, colour] for i, colour in enumerate(matrix.colours)],
+        "zmin": matrix.limits[0], "zmax": matrix.limits[1], "showscale": False,
+        "xgap": 2, "ygap": 2, "hoverinfo": "text",
         "xaxis": f"x{axis}", "yaxis": f"y{axis}",
     }  # fmt: skip
 

@@ -22,6 +22,7 @@ _LAST: tuple[Section, ...] = (given, limits, setup)
 SECTIONS: tuple[Section, ...] = (
     headline,
     pictures.moving,
+    pictures.ranges,
     measurement,
     sensing,
     pictures.drive,

@@ -11,6 +11,7 @@ from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.parts import Part
 from simcompare.reports.run import curve_figures, drive_figure, motion_figures, runs
 from simcompare.reports.run.contrast_figure import contrast_figure
+from simcompare.reports.run.range_pictures import range_figures
 from simcompare.reports.run.replay import replay_of
 from simcompare.results.run import Run
 
@@ -24,6 +25,12 @@ def moving(run: Run) -> Part | None:
     """The scene in three dimensions; ``None`` where no source tells where a body is."""
     replay = replay_of(run)
     return None if replay is None else Part(replay.title, "replay", replays=(replay,), brief=False)
+
+
+def ranges(run: Run) -> Part | None:
+    """What range sensors saw; ``None`` where there are none."""
+    figures = range_figures(run)
+    return Part("What it saw", "ranges", figures=figures, brief=False) if figures else None
 
 
 def curves(run: Run) -> Part | None:

@@ -65,6 +65,7 @@ class Measured:
         u: standard uncertainty of values that are a mean, from the scatter of what they are a mean
             of; it counts where a real recording is measured.
         lacking: why nothing could be measured, where the source does not give a signal.
+        compared: arrays that only ``against`` needs.
     """
 
     values: Mapping[str, float | None]
@@ -73,6 +74,7 @@ class Measured:
     notes: tuple[str, ...] = ()
     u: Mapping[str, float] = field(default_factory=dict)
     lacking: str = ""
+    compared: Mapping[str, Array] = field(default_factory=dict)
 
 
 Pairs = dict[str, tuple[float | None, float]]

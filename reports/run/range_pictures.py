@@ -1,0 +1,66 @@
+"""What range sensors of many zones saw, as pictures whose near zones are dark."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from simcompare.model.trajectory import Array, Trajectory
+from simcompare.reports.render.figures import GREYS, Figure, Matrix, Panel
+from simcompare.reports.run import runs
+from simcompare.results.run import Run
+
+#: how signals of such sensors end
+_RANGES = ".range_m"
+
+
+def range_figures(run: Run) -> tuple[Figure, ...]:
+    """A figure for each range sensor: at the start, at the end, and where a source is most off."""
+    first = runs.truth(run) or next((one.trajectory for one in run.trajectories), None)
+    signals = () if first is None else tuple(n for n in first.signals if n.endswith(_RANGES))
+    return tuple(_figure(run, first, signal) for signal in signals if first is not None)
+
+
+def _figure(run: Run, first: Trajectory, signal: str) -> Figure:
+    pictures = first.signals[signal]
+    far = float(pictures.max())
+    panels = [
+        _panel(f"{first.source}, {first.time_s[i]:g} s", pictures[i], far)
+        for i in dict.fromkeys((0, len(pictures) - 1))
+    ]
+    worst = max(_others(run, first, signal), key=lambda one: one[0], default=None)
+    caption = (
+        "Each cell is a zone, as the sensor sees it, with its distance in m along the axis; near"
+        " ones are dark."
+    )
+    if worst is not None:
+        _, whose, i, picture = worst
+        panels.append(_panel(f"{whose}, {first.time_s[i]:g} s", picture, far))
+        caption += f" On the right, where any source is most off: {whose}."
+    name = signal.removesuffix(_RANGES)
+    title = f"What {name} saw"
+    return Figure(f"ranges-{name}", title, caption, tuple(panels), height=1.1)
+
+
+def _others(run: Run, first: Trajectory, signal: str) -> Iterator[tuple[float, str, int, Array]]:
+    """How far each source is off at its worst sample, who it is, and what it saw then."""
+    true = first.signals[signal]
+    for mode in runs.modes(run):
+        for name in runs.ran(run, mode):
+            one = runs.nominal(run, name, mode)
+            if one is None or one is first or one.signals.get(signal, true[:0]).shape != true.shape:
+                continue
+            off = np.abs(one.signals[signal] - true).max(axis=1)
+            i = int(off.argmax())
+            if off[i] > 0.001:
+                yield float(off[i]), f"{name}, {mode}", i, one.signals[signal][i]
+
+
+def _panel(title: str, picture: Array, far: float) -> Panel:
+    side = math.isqrt(len(picture))
+    ticks = tuple(str(i + 1) for i in range(side))
+    cells = Matrix(picture.reshape(side, side), 2, (0.0, far), GREYS)
+    return Panel(title, "column, from the left", "row, from the top", (), x_ticks=ticks,
+                 y_ticks=ticks, matrix=cells)  # fmt: skip
