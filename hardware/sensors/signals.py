@@ -7,10 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare import units
-from simcompare.errors import UnknownName
+from simcompare.errors import InputError, UnknownName
+from simcompare.model.sensor import REAL_ZONES
 from simcompare.model.trajectory import Array
 
 _AXES = "xyz"
+#: components of a quaternion, the most of what is no picture
+_MOST = 4
 
 
 def owner_of(signal: str) -> str:
@@ -50,12 +53,17 @@ def chosen(name: str, known: Mapping[str, int], whose: str) -> dict[str, int]:
 
     Raises:
         UnknownName: there are none of that name, or it has no such component.
+        InputError: it is a range sensor of many zones.
     """
     signal, axis = _parted(name)
     if axis and known.get(signal) == len(_AXES):
         return {name: 1}
     readable = {key: width for key, width in known.items() if width in (1, len(_AXES))}
     found = {key: n for key, n in readable.items() if name in (key, owner_of(key))}
+    wide = [key for key, n in known.items() if n > _MOST and name in (key, owner_of(key))]
+    if not found and wide:
+        count = known[wide[0]]
+        raise InputError(wide[0], [f"it has {count} zones, and is no single reading; {REAL_ZONES}"])
     if not found:
         owners = dict.fromkeys(owner_of(key) for key in readable)
         raise UnknownName(f"sensor or signal of {whose}", name, [*owners, *readable] if

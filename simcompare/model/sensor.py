@@ -11,6 +11,8 @@ from simcompare.model.shapes import Pose
 
 #: of one signal: a range sensor of 8 times 8 zones
 MOST_COMPONENTS = 64
+#: where to go on from a range sensor that is ideal
+REAL_ZONES = "what a real one reads is told in docs/sensors.md, Range sensors of many zones"
 
 
 class Sensor(Pose):
@@ -58,6 +60,8 @@ class Sensor(Pose):
             raise ValueError("zones, 4 or 8, are what a time_of_flight needs, and no other sensor")
         if self.zones is None and (self.geometry or self.reach_m):
             raise ValueError("geometry and reach_m are of a time_of_flight, and of no other sensor")
+        if self.zones is not None and self.errors is not None:
+            raise ValueError(f"a time_of_flight takes no errors; {REAL_ZONES}")
         if place != "body" and (any(self.position_m) or any(self.orientation_wxyz[1:])):
             raise ValueError(f"a sensor of type {self.type} has no pose of its own")
         if self.pair is not None and self.pair[0] == self.pair[1]:
