@@ -193,7 +193,8 @@ class Writer:
         elif uses:
             last = max(index for index in uses if index is not None)
             members = [self._assign(event, i) if i in uses else "_" for i in range(last + 1)]
-            head = f"{', '.join(members)} = "
+            # the first alone of what several are returned
+            head = f"{members[0]}, *_ = " if last == 0 else f"{', '.join(members)} = "
         return Statement(head, call, tuple(args))
 
     def _name_for(self, event: Call, index: int | None) -> str | None:
