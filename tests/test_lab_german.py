@@ -11,7 +11,9 @@ import pytest
 
 from simcompare import lab
 from simcompare.engine import by_hand, engines
+from simcompare.errors import InputError
 from simcompare.hardware.recordings import bounce_table, published
+from simcompare.lab import faults
 from simcompare.lab.translation import catalogue, translated
 from simcompare.lab.work import perform
 from simcompare.scenarios import catalogue as scenarios
@@ -75,8 +77,7 @@ def test_no_german_is_of_what_nobody_says_any_more() -> None:
     sources = {path.name: said(path.read_text(encoding="utf-8")) for path in FOLDER.glob("*.py")}
     used = {*shown(), *(text for one in sources.values() for text in one)}
     assert [text for text in catalogue()["texts"] if HOLE.sub("{}", text) not in used] == []
-    notes = sources["recordings.py"] | sources["video.py"]
-    assert [text for text in catalogue()["notes"] if HOLE.sub("{}", text) not in notes] == []
+    assert [text for text in catalogue()["notes"] if HOLE.sub("{}", text) not in used] == []
 
 
 def test_german_fills_in_what_the_english_does() -> None:
@@ -91,6 +92,22 @@ def test_notes_are_told_with_their_numbers() -> None:
     assert translated(note, "de") == "Aufprall 3 bei 1.204 s wird weggelassen: it is too weak."
     assert translated(note, "en") == note
     assert translated("never said anywhere", "de") == "never said anywhere"
+
+
+@pytest.mark.parametrize(
+    ("fault", "german"),
+    [
+        ("is no sound that is read here; record with the page, or export it as WAV or FLAC",
+         "a.wav: ist kein Ton, der hier gelesen wird; nimm mit der Seite auf, oder exportiere ihn"),
+        ("has 3 pictures; expected a film of a second or more, in which a ball bounces",
+         "a.wav: hat 3 Bilder; erwartet wird ein Film"),
+        ("is of no known format; name it: simcompare import", "a.wav: is of no known format"),
+    ],
+)  # fmt: skip
+def test_faults_of_the_lab_are_told_in_german(fault: str, german: str) -> None:
+    told = faults.told(InputError("a.wav", [fault]), {"path": "/x/a.wav", "language": "de"})
+    assert told[0].startswith(german)
+    assert ("Sende einen Ton als WAV" in told[-1]) == ("simcompare" in fault)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from typing import Any
 
 from simcompare.errors import InputError, SimcompareError
 from simcompare.lab.refusals import say
+from simcompare.lab.translation import translated
 
 #: what only a command line understands, and where a part of a fault ends
 _COMMAND = re.compile(r"\bsimcompare [a-z]|(?<!\w)--[a-z]|SIMCOMPARE_|\bmap\.yaml")
@@ -27,14 +28,15 @@ def told(error: SimcompareError, request: Mapping[str, Any]) -> tuple[str, ...]:
     """
     if not isinstance(error, InputError):
         return (_without_places(str(error), request).strip(),)
-    folder = str(request.get("folder", "\0"))
+    language, folder = str(request.get("language", "en")), str(request.get("folder", "\0"))
     where = "" if folder in error.where or _COMMAND.search(error.where) else f"{error.where}: "
-    given = [f"{where}{fault}" for fault in error.faults[:_TOLD]]
-    faults = [for_page(fault) for fault in given]
-    if faults != given and "path" in request:
-        faults.append(say(str(request.get("language", "en")), "send_another"))
+    given = list(error.faults[:_TOLD])
+    plain = [for_page(fault) for fault in given]
+    faults = [f"{where}{translated(fault, language)}" for fault in plain]
+    if plain != given and "path" in request:
+        faults.append(say(language, "send_another"))
     if len(error.faults) > _TOLD:
-        faults.append(f"… and {len(error.faults) - _TOLD} more")
+        faults.append(translated(f"… and {len(error.faults) - _TOLD} more", language))
     return tuple(_without_places(fault, request) for fault in faults)
 
 
