@@ -220,3 +220,17 @@ def test_digits_are_kept_far_away():
     ball = Sphere(type="sphere", radius_m=0.05, position_m=(1000, 0.03, 0))
     # a ball a kilometre away: distances are rounded to 1e-13 m, squares of them to 1e-10 m²
     assert met(ball)[0] == pytest.approx(1000 - 0.04, abs=EXACT_M)
+
+
+def test_what_is_beside_the_view_is_left_out_and_nothing_else():
+    rng = np.random.default_rng(2)
+    shapes = [*some_shapes(rng, 60), Plane(type="plane", position_m=(0, 0, -0.6))]
+    solids, origin = Solids(shapes), np.array([-0.5, 0.2, 3.0])
+    for _ in range(20):
+        middle = rng.normal(size=3)
+        narrow = middle / np.linalg.norm(middle) + rng.uniform(-0.2, 0.2, (50, 3))
+        narrow /= np.linalg.norm(narrow, axis=1, keepdims=True)
+        together, index = solids.distances(origin, narrow)
+        apart, same = solids.distances(np.tile(origin, (50, 1)), narrow)
+        np.testing.assert_allclose(together, apart, rtol=0, atol=EXACT_M)
+        np.testing.assert_array_equal(index, same)

@@ -54,6 +54,7 @@ class MujocoSimulation(ReducedSimulation):
         self._places = {name: (data.joint(name).qpos, data.joint(name).qvel) for name in slots}
         self._pushes = {name: data.body(name).xfrc_applied[:3] for name in self._bodies}
         self._qpos, self._qvel = data.qpos, data.qvel
+        self._numbers = {name: model.body(name).id for name in self.scenario.bodies} | {"": -1}
         self.place_all()
 
     def take_steps(self, count: int) -> None:
@@ -85,18 +86,16 @@ class MujocoSimulation(ReducedSimulation):
 
     def cast_rays(
         self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
-    ) -> Sequence[float]:
+    ) -> Array:
         mujoco, count = self._mujoco, len(directions)
         mujoco.mj_kinematics(self._model, self.data)  # a step leaves bodies where it began
-        own = self._model.body(without_body).id if without_body else -1
         geoms, distances = np.empty(count, np.int32), np.empty(count)
         mujoco.mj_multiRay(
-            self._model, self.data, np.asarray(origin_m), directions.ravel(), None, True, own,
-            geoms, distances, None, count, reach_m,
+            self._model, self.data, np.asarray(origin_m), directions.ravel(), None, True,
+            self._numbers[without_body], geoms, distances, None, count, reach_m,
         )  # fmt: skip
         distances[(distances < 0) | (distances > reach_m)] = np.inf
-        found: list[float] = distances.tolist()
-        return found
+        return distances
 
     def row(self) -> Any:
         return [*self._qpos.tolist(), *self._qvel.tolist()]

@@ -96,7 +96,7 @@ class EngineHooks(StatefulMotion):
 
     def cast_rays(
         self, origin_m: Vector, directions: Array, without_body: str, reach_m: float
-    ) -> Sequence[float]:
+    ) -> Sequence[float] | Array:
         """How far rays go in the engine, as its bodies are now, until they meet one.
 
         It changes nothing of what comes after.

@@ -25,7 +25,7 @@ HALF_VIEW_RAD = math.radians(22.5)
 #: of a sensor that says nothing of it: VL53L5CX, DS13754, Table 1
 REACH_M = 4.0
 #: an engine's way to cast rays, as ``EngineHooks.cast_rays``
-Cast = Callable[[Vector, Array, str, float], Sequence[float]]
+Cast = Callable[[Vector, Array, str, float], Sequence[float] | Array]
 
 
 @functools.lru_cache

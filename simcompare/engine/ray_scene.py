@@ -83,15 +83,19 @@ class RayScene:
     def _seen_from(
         self, number: int, signals: Mapping[str, Array], starts: Array, along: Array
     ) -> tuple[Array, Array]:
-        """Rays (n·k, 3) in the frame of a moving body."""
+        """Rays (1 or n·k, 3) and (n·k, 3) in the frame of a moving body."""
         place, turn = (
             signals[f"{self.bodies[number]}.{part}"] for part in ("position_m", "orientation_wxyz")
         )
         each = len(along) // len(place)
         back = np.repeat(conjugate(turn), each, axis=0)
+        if len(starts) == 1:
+            return rotate(back[:1], starts - place), rotate(back, along)
         return rotate(back, starts - np.repeat(place, each, axis=0)), rotate(back, along)
 
 
 def _flat(origins: Array, directions: Array) -> tuple[Array, Array]:
-    """Rays of all samples one after the other (n·k, 3)."""
+    """Rays of all samples one after the other (n·k, 3); of one sample all begin at one place."""
+    if len(origins) == 1:
+        return origins, directions.reshape(-1, 3)
     return np.repeat(origins, directions.shape[1], axis=0), directions.reshape(-1, 3)

@@ -10,6 +10,7 @@ shape at is taken from the point that is nearest to its middle, where no digits 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -58,25 +59,29 @@ class Solids:
         ]
         self._order = np.array([i for found in places.values() for i in found], dtype=np.intp)
         self._firsts = [0, *itertools.accumulate(len(group.middle) for group in self._groups)]
+        if self._groups:
+            self._middle = np.concatenate([group.middle for group in self._groups])
+            self._around = np.concatenate([group.around for group in self._groups])
 
     def distances(self, origins: Array, directions: Array) -> tuple[Array, Indices]:
         """How far each ray goes until it enters a shape, and which one.
 
         Args:
-            origins: where rays begin (n, 3), or (3,) where all begin at one place [m].
+            origins: where rays begin (n, 3), or (1, 3) or (3,) where all begin at one place [m];
+                then what they all pass by costs next to nothing.
             directions: unit vectors (n, 3).
 
         Returns:
             Distances (n,) [m], ``inf`` for nothing, and indices of shapes (n,), -1 for none.
         """
-        distance, row = self._nearest(origins, directions)
-        met = np.isfinite(distance)
+        distance, row = self._nearest(np.atleast_2d(origins), directions)
         if not len(self._order):
             return distance, row
-        return distance, np.where(met, self._order[row], -1)
+        return distance, np.where(np.isfinite(distance), self._order[row], -1)
 
     def cast(self, origins: Array, directions: Array) -> Hits:
         """The same with the normals of the surfaces that are met."""
+        origins = np.atleast_2d(origins)
         distance, row = self._nearest(origins, directions)
         met = np.isfinite(distance)
         index, normal = np.full(len(row), -1, dtype=np.intp), np.zeros((len(row), 3))
@@ -95,23 +100,40 @@ class Solids:
         count = len(directions)
         if not self._groups or not count:
             return np.full(count, np.inf), np.full(count, -1, dtype=np.intp)
-        size = max(1, _AT_ONCE // len(self._order))
-        if count > size:
-            parts = [
-                self._nearest(
-                    origins if origins.ndim == 1 else origins[i : i + size],
-                    directions[i : i + size],
-                )
-                for i in range(0, count, size)
-            ]
-            found, rows = zip(*parts, strict=True)
-            return np.concatenate(found), np.concatenate(rows)
-        columns = np.ascontiguousarray(directions.T)
-        starts = origins[:, None] if origins.ndim == 1 else np.ascontiguousarray(origins.T)
-        every = [group.entries(starts, columns) for group in self._groups]
-        table = every[0] if len(every) == 1 else np.concatenate(every)
-        row = table.argmin(axis=0)
-        return table[row, np.arange(count)], row
+        is_one = len(origins) == 1
+        seen = self._in_sight(origins[0], directions) if is_one else np.arange(len(self._order))
+        if not len(seen):
+            return np.full(count, np.inf), np.full(count, -1, dtype=np.intp)
+        rows = [
+            (group, seen[(seen >= first) & (seen < end)] - first)
+            for group, first, end in zip(self._groups, self._firsts, self._firsts[1:], strict=False)
+        ]
+        starts, columns = np.ascontiguousarray(origins.T), np.ascontiguousarray(directions.T)
+        size, found = max(1, _AT_ONCE // len(seen)), []
+        for i in range(0, count, size):
+            part = slice(i, i + size)
+            begin = starts if is_one else starts[:, part]
+            every = [group.entries(begin, columns[:, part], own) for group, own in rows if len(own)]
+            table = every[0] if len(every) == 1 else np.concatenate(every)
+            nearest = table.argmin(axis=0)
+            found.append((table[nearest, np.arange(table.shape[1])], seen[nearest]))
+        if len(found) == 1:
+            return found[0]
+        distances, nearest_rows = zip(*found, strict=True)
+        return np.concatenate(distances), np.concatenate(nearest_rows)
+
+    def _in_sight(self, origin: Array, directions: Array) -> Indices:
+        """Rows of the shapes that come near the narrowest cone about all rays."""
+        axis = directions.sum(axis=0)
+        length = math.hypot(*axis.tolist())
+        cosine = min(float((directions @ axis).min()) / length, 1.0) if length else 0.0
+        if cosine <= 0:
+            return np.arange(len(self._order))
+        away = self._middle - origin
+        along = away @ (axis / length)
+        aside = np.sqrt(np.maximum((away * away).sum(axis=1) - along * along, 0.0))
+        beyond = aside * cosine - along * math.sqrt(1 - cosine * cosine)
+        return np.flatnonzero(beyond <= self._around)
 
 
 def cast(shapes: Sequence[Shape], origins: Array, directions: Array) -> Hits:
@@ -130,6 +152,7 @@ class _Group:
 
     Attributes:
         middle: where they are (k, 3); of a plane, a point on it.
+        around: radii of spheres about them (k,), a little larger than needed.
     """
 
     def __init__(self, kind: str, shapes: Sequence[Any]) -> None:
@@ -138,52 +161,61 @@ class _Group:
         if kind == "plane":
             normals = np.array([shape.normal for shape in shapes], dtype=float)
             self._up = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+            self._above = np.sum(self._up * self.middle, axis=1)[:, None]
+            self.around = np.full(len(shapes), np.inf)
             return
         turns = [matrix_of(shape.orientation_wxyz) for shape in shapes]
         self._into = np.transpose(turns, (0, 2, 1))  # the frame's vectors in the shape's
         self._shift = self._into @ self.middle[:, :, None]
         if kind == "box":
             self._half = np.array([shape.size_m for shape in shapes])[:, :, None] / 2
+            self.around = 1.001 * np.linalg.norm(self._half[:, :, 0], axis=1)
             return
         self._radius = np.array([shape.radius_m for shape in shapes])[:, None]
-        if kind != "sphere":
-            self._long = np.array([shape.length_m for shape in shapes])[:, None] / 2
+        self._long = np.array([getattr(shape, "length_m", 0.0) for shape in shapes])[:, None] / 2
+        self.around = 1.001 * (self._radius + self._long)[:, 0]
 
-    def entries(self, starts: Array, directions: Array) -> Array:
+    def entries(self, starts: Array, directions: Array, rows: Indices) -> Array:
         """Distances (k, n) at which rays (3, 1 or n) and (3, n) enter; ``inf`` where they do not.
 
         A ray that enters behind its start, or begins inside, does not enter.
+
+        Args:
+            starts: where they begin.
+            directions: unit vectors.
+            rows: which of the shapes (k,).
         """
         if self.kind == "plane":
-            above = self._up @ starts - np.sum(self._up * self.middle, axis=1)[:, None]
-            down = -(self._up @ directions)
+            above = self._up[rows] @ starts - self._above[rows]
+            down = -(self._up[rows] @ directions)
             with np.errstate(divide="ignore", invalid="ignore"):
                 return np.where((down > 0) & (above >= 0), above / down, np.inf)
-        o, d = self._into @ starts - self._shift, self._into @ directions
+        into = self._into[rows]
+        o, d = into @ starts - self._shift[rows], into @ directions
         if self.kind == "sphere":
-            near, far = _round(o, d, self._radius)
+            near, far = _round(o, d, self._radius[rows])
         else:
-            d = d + _TINY
-            near, far = getattr(self, f"_{self.kind}")(o, d)
+            d += _TINY
+            near, far = getattr(self, f"_{self.kind}")(o, d, rows)
         return np.where((near <= far) & (near >= 0), near, np.inf)
 
-    def _box(self, o: Array, d: Array) -> tuple[Array, Array]:
+    def _box(self, o: Array, d: Array, rows: Indices) -> tuple[Array, Array]:
         inverse = 1 / d
-        middle, half = -o * inverse, self._half * np.abs(inverse)
+        middle, half = -o * inverse, self._half[rows] * np.abs(inverse)
         return (middle - half).max(axis=1), (middle + half).min(axis=1)
 
-    def _cylinder(self, o: Array, d: Array) -> tuple[Array, Array]:
-        near, far = _tube(o, d, self._radius)
+    def _cylinder(self, o: Array, d: Array, rows: Indices) -> tuple[Array, Array]:
+        near, far = _tube(o, d, self._radius[rows])
         inverse = 1 / d[:, 2]
-        middle, half = -o[:, 2] * inverse, self._long * np.abs(inverse)
+        middle, half = -o[:, 2] * inverse, self._long[rows] * np.abs(inverse)
         return np.maximum(near, middle - half), np.minimum(far, middle + half)
 
-    def _capsule(self, o: Array, d: Array) -> tuple[Array, Array]:
-        parts = [self._cylinder(o, d)]
-        for end in (-self._long, self._long):
-            moved = np.array(np.broadcast_to(o, (len(o), 3, o.shape[2])))
+    def _capsule(self, o: Array, d: Array, rows: Indices) -> tuple[Array, Array]:
+        parts, long = [self._cylinder(o, d, rows)], self._long[rows]
+        for end in (-long, long):
+            moved = o.copy()
             moved[:, 2] -= end
-            parts.append(_round(moved, d, self._radius))
+            parts.append(_round(moved, d, self._radius[rows]))
         # together they are convex, so where a ray is in one of them it is in one stretch
         near = np.minimum.reduce([np.where(n <= f, n, np.inf) for n, f in parts])
         return near, np.full(1, np.inf)
