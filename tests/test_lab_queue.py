@@ -120,6 +120,23 @@ def test_one_worker_is_kept_free_of_long_jobs(monkeypatch, kind):
     assert FakeDesk.done == ["d0", "a0"] or FakeDesk.done == ["a0", "d0"]
 
 
+def test_a_job_ends_also_where_no_worker_can_begin(monkeypatch):
+    class Barred(FakeDesk):
+        async def do(self, task, limit_s):
+            raise BlockingIOError("no more processes")
+
+    async def two_jobs():
+        waiting = Queue(print, 1)
+        waiting.begin()
+        for job in [waiting.add(named(name)) for name in ("a0", "b0")]:
+            await job.ended.wait()
+            assert (job.state, job.ending.fault) == ("failed", "died")
+        await waiting.end()
+
+    monkeypatch.setattr(queue, "Desk", Barred)
+    asyncio.run(two_jobs())
+
+
 # ---- workers
 
 
@@ -189,7 +206,12 @@ def test_keys_of_groups_are_safe_and_of_one_group_alone():
     assert key_of("Caf\u00e9") == key_of("Cafe\u0301")
 
 
-@pytest.mark.parametrize("name", ["", "   ", "x" * 61, "a\0b", "a\u202eb", "\ud800"])
+def test_a_picture_of_letters_is_a_name(tmp_path):
+    name = "\U0001f469\u200d\U0001f52c Lab"  # a woman and a microscope, joined
+    assert Groups(tmp_path).join(name).name == name
+
+
+@pytest.mark.parametrize("name", ["", "   ", "\u200d", "x" * 61, "a\0b", "a\u202eb", "\ud800"])
 def test_names_that_are_none_are_refused(tmp_path, name):
     with pytest.raises(Refused):
         Groups(tmp_path).join(name)

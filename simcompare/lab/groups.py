@@ -21,6 +21,8 @@ from simcompare.model import whole
 _LONGEST, _MOST, _GROUP_BYTES, _FREE_BYTES = 60, 1000, 2 * 10**9, 500 * 10**6
 #: recordings of a group, and files that it takes home, together
 _MOST_KEPT = 500
+#: what joins pictures of people to one
+_JOINER = "\u200d"
 _KEY = re.compile(r"[a-z0-9]+(?:-[a-z0-9]+)*-[0-9a-f]{10}")
 #: names of jobs, results and recordings; names of files to take home
 _ID, _FILE = re.compile(r"[0-9a-f]{16}"), re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,120}")
@@ -180,7 +182,8 @@ def key_of(name: str) -> str:
         Refused: it is empty, too long, or holds what cannot be printed.
     """
     kept = tidy(name)
-    if not 0 < len(kept) <= _LONGEST or not kept.isprintable():
+    seen = kept.replace(_JOINER, "")
+    if not seen or len(kept) > _LONGEST or not seen.isprintable():
         raise Refused(400, "no_group_name", most=_LONGEST)
     plain = unicodedata.normalize("NFKD", kept.casefold()).encode("ascii", "ignore").decode()
     slug = "-".join(re.findall(r"[a-z0-9]+", plain))[:24].strip("-") or "group"

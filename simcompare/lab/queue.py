@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
+import traceback
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -156,6 +157,9 @@ class Queue:
         self._running.append(job)
         try:
             ending = await desk.do(job.task, self._limits_s.get(job.task.kind, LIMIT_S))
+        except OSError:  # the system lets no new worker begin; other jobs still want an answer
+            traceback.print_exc()
+            ending = Ending(fault="died")
         finally:
             self._running.remove(job)
         self._end(job, ending)
