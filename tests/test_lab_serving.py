@@ -179,6 +179,20 @@ def test_each_request_on_a_connection_has_its_own_time_for_its_head(plain, monke
     assert answered.count(b"HTTP/1.1 404") == 1
 
 
+def test_a_connection_on_which_the_rest_of_a_refused_file_does_not_come_is_closed(
+    plain, monkeypatch
+):
+    monkeypatch.setattr(connections, "_HEAD_S", 0.05)
+    port = port_of(plain)
+    kept = head(port, b"Content-Length: 2200000000").replace(b"Connection: close\r\n", b"")
+    with socket.create_connection(("127.0.0.1", port), timeout=30) as connection:
+        connection.sendall(kept)
+        assert connection.recv(12) == b"HTTP/1.1 413"
+        connection.sendall(b"x")
+        while connection.recv(65536):
+            pass
+
+
 def test_one_address_cannot_take_all_connections(plain, monkeypatch):
     monkeypatch.setattr(plain.server.config, "limit_concurrency", 6)
     with contextlib.ExitStack() as stack:

@@ -31,10 +31,11 @@ class Connection(H11Protocol):  # type: ignore[misc]
     def data_received(self, data: bytes) -> None:
         """Takes what comes; each request has its own time."""
         super().data_received(data)
-        if self.conn.their_state is h11.IDLE:
-            self._wait_for_head()
-        else:
+        if self.conn.their_state is not h11.IDLE:
             self._end_waiting()
+        is_let_go_by = self.conn.our_state is h11.DONE  # the rest of what was refused already
+        if self.conn.their_state is h11.IDLE or is_let_go_by:
+            self._wait_for_head()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forgets the connection."""
