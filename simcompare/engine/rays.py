@@ -27,6 +27,8 @@ Indices = NDArray[np.intp]
 _TINY = 1e-150
 #: distances (shapes times rays) that are worked out at once, so that they stay in a cache
 _AT_ONCE = 40_000
+#: as many cost less than looking which shapes are in sight
+_FEW = 4_000
 _KINDS = ("plane", "sphere", "box", "cylinder", "capsule")
 
 
@@ -100,8 +102,9 @@ class Solids:
         count = len(directions)
         if not self._groups or not count:
             return np.full(count, np.inf), np.full(count, -1, dtype=np.intp)
-        is_one = len(origins) == 1
-        seen = self._in_sight(origins[0], directions) if is_one else np.arange(len(self._order))
+        is_one, seen = len(origins) == 1, np.arange(len(self._order))
+        if is_one and count * len(seen) > _FEW:
+            seen = self._in_sight(origins[0], directions)
         if not len(seen):
             return np.full(count, np.inf), np.full(count, -1, dtype=np.intp)
         rows = [
