@@ -1,0 +1,111 @@
+"""Learns robot_avoid by PPO of Stable-Baselines3, and writes a policy that NumPy alone runs.
+
+    pip install 'simcompare[learn,mujoco]'
+    python examples/robot_avoid/train.py --engine mujoco --sensors 0 --minutes 15 policy.npz
+
+With --parallel each of the eight environments has a process of its own.
+"""
+
+import argparse
+import functools
+import time
+from pathlib import Path
+
+import numpy as np
+import stable_baselines3
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecMonitor, VecNormalize
+
+import simcompare
+from simcompare.learning.policy import Policy
+
+ENVIRONMENTS = 8
+HYPERPARAMETERS = {
+    "n_steps": 256, "batch_size": 512, "n_epochs": 5, "learning_rate": 5e-4, "gamma": 0.99,
+    "gae_lambda": 0.95, "ent_coef": 0.002,
+}  # fmt: skip
+LAYERS = [64, 64]
+#: part of the time, at its end, in which the learning rate falls to nothing
+FALLING = 0.3
+#: MuJoCo's step while it learns; half as many steps as usual, and the same motion to a millimetre
+STEP_S = 0.002
+
+
+def opened(engine, sensors, seed):
+    """An environment whose episodes follow from a seed."""
+    environment = simcompare.gym("robot_avoid", engine=engine, sensors=sensors, step=STEP_S)
+    environment.reset(seed=seed)
+    return environment
+
+
+class Watch(BaseCallback):
+    """Stops after a time, learns ever slower at its end, and tells how far it has come."""
+
+    def __init__(self, seconds):
+        super().__init__()
+        self.end, self.next = time.monotonic() + seconds, 0.0
+        self.slow_s = FALLING * seconds
+
+    def _on_step(self):
+        return time.monotonic() < self.end
+
+    def _on_rollout_end(self):
+        left = min(1.0, max(0.02, (self.end - time.monotonic()) / self.slow_s))
+        self.model.lr_schedule = lambda _: left * HYPERPARAMETERS["learning_rate"]
+        if time.monotonic() < self.next or not self.model.ep_info_buffer:
+            return
+        self.next = time.monotonic() + 10
+        ends = self.model.ep_info_buffer
+        shares = (np.mean([end[what] for end in ends]) for what in ("is_success", "collided"))
+        print(f"{self.num_timesteps} steps: {{:.0%}} succeed, {{:.0%}} collide".format(*shares))
+
+
+def learn(engine, sensors, seed, minutes, *, parallel=False):
+    """Learns, and gives the policy."""
+    torch.set_num_threads(1)
+    # seeds of episodes stay below those that trials take
+    makers = [
+        functools.partial(opened, engine, sensors, 1000 * seed + k) for k in range(ENVIRONMENTS)
+    ]
+    several = SubprocVecEnv(makers) if parallel else DummyVecEnv(makers)
+    scaled = VecNormalize(VecMonitor(several, info_keywords=("is_success", "collided")))
+    model = PPO(
+        "MlpPolicy", scaled, seed=seed, device="cpu", **HYPERPARAMETERS,
+        policy_kwargs={"net_arch": {"pi": LAYERS, "vf": LAYERS}, "log_std_init": -0.5},
+    )  # fmt: skip
+    started = time.monotonic()
+    model.learn(10**9, callback=Watch(60 * minutes))
+    recipe = {
+        "scenario": "robot_avoid", "engine": engine, "sensors": sensors, "seed": seed,
+        "steps": model.num_timesteps, "minutes": round((time.monotonic() - started) / 60, 1),
+        "parallel": parallel, "environments": ENVIRONMENTS, "step_s": STEP_S,
+        "algorithm": f"PPO of stable-baselines3 {stable_baselines3.__version__}",
+        **HYPERPARAMETERS, "falling": FALLING,
+    }  # fmt: skip
+    scaled.close()
+    return as_policy(model, scaled, recipe)
+
+
+def as_policy(model, scaled, recipe):
+    """The mean action of a model, with what standardises its observations."""
+    net = model.policy
+    parts = [m for m in (*net.mlp_extractor.policy_net, net.action_net) if hasattr(m, "weight")]
+    layers = [(m.weight.detach().numpy(), m.bias.detach().numpy()) for m in parts]
+    deviation = np.sqrt(scaled.obs_rms.var + scaled.epsilon)
+    spread = net.log_std.detach().exp().numpy()
+    return Policy(scaled.obs_rms.mean, deviation, layers, spread, recipe)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--engine", default="mujoco")
+    parser.add_argument("--sensors", type=float, default=0.0)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--minutes", type=float, default=15.0)
+    parser.add_argument("--parallel", action="store_true")
+    asked = parser.parse_args()
+    learnt = learn(asked.engine, asked.sensors, asked.seed, asked.minutes, parallel=asked.parallel)
+    learnt.save(asked.file)
