@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 import time
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,8 @@ pytest.importorskip("starlette", reason="the extra [web] is not installed")
 pytest.importorskip("uvicorn", reason="the extra [web] is not installed")
 pytest.importorskip("segno", reason="the extra [web] is not installed")
 pytest.importorskip("trustme", reason="the extra [web] is not installed")
+
+from cryptography import x509
 
 from simcompare import cli
 from simcompare.cli import lab as lab_verb
@@ -268,6 +271,14 @@ def test_a_certificate_is_kept_while_it_holds_and_made_anew_for_another_name(tmp
     assert other.fingerprint != first.fingerprint
     first.path.write_text("damaged")
     assert share.certificate(tmp_path, ["localhost"]).fingerprint != other.fingerprint
+
+
+def test_a_certificate_holds_no_longer_than_browsers_take(tmp_path):
+    made = share.certificate(tmp_path, ["localhost"])
+    found = x509.load_pem_x509_certificate(made.path.read_bytes())
+    # Apple and Chrome take 398 days from the first second to the last
+    assert found.not_valid_after_utc - found.not_valid_before_utc < timedelta(days=398)
+    assert found.not_valid_before_utc < datetime.now(UTC)
 
 
 def test_addresses_are_those_of_others():

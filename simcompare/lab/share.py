@@ -20,8 +20,9 @@ from cryptography import x509
 
 from simcompare.model import whole
 
-#: how long a certificate holds, as browsers take it; how long it must hold still [days]
-_HOLDS, _MUST_HOLD = 397, 7
+#: how long a certificate holds, of the 398 days that browsers take, with a day for clocks that
+#: are late; how long it must hold still [days]
+_HOLDS, _LATE, _MUST_HOLD = 396, 1, 7
 #: addresses for documentation: nothing is sent there, they only say which way leads outside
 _OUTSIDE = ((socket.AF_INET, "192.0.2.1"), (socket.AF_INET6, "2001:db8::1"))
 LOCAL = ("localhost", "127.0.0.1", "::1")
@@ -96,8 +97,12 @@ def certificate(folder: Path, hosts: Sequence[str]) -> Certificate:
     path = place / "certificate.pem"
     if not _holds(path, hosts):
         made = trustme.CA(organization_name="simcompare lab")
-        until = datetime.now(UTC) + timedelta(days=_HOLDS)
-        issued = made.issue_cert(*hosts, common_name="simcompare lab", not_after=until)
+        now = datetime.now(UTC)
+        times = {
+            "not_before": now - timedelta(days=_LATE),
+            "not_after": now + timedelta(days=_HOLDS),
+        }
+        issued = made.issue_cert(*hosts, common_name="simcompare lab", **times)
         with whole.folder(place) as new:
             new.chmod(0o700)
             issued.private_key_and_cert_chain_pem.write_to_path(new / path.name)
@@ -115,7 +120,9 @@ def _holds(path: Path, hosts: Iterable[str]) -> bool:
         return False
     held = {str(one.value) for one in kept}
     latest = datetime.now(UTC) + timedelta(days=_MUST_HOLD)
-    return set(hosts) <= held and found.not_valid_after_utc > latest
+    whole_time = found.not_valid_after_utc - found.not_valid_before_utc
+    is_taken = whole_time <= timedelta(days=_HOLDS + _LATE)
+    return is_taken and set(hosts) <= held and found.not_valid_after_utc > latest
 
 
 def _first(path: Path) -> bytes:
