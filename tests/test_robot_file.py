@@ -170,6 +170,8 @@ def test_all_faults_are_told_at_once_with_place_value_and_cure(changed):
         ({"parts.imu.mass": 3}, "is not known here; known, the nearest first: mass_kg"),
         ({"parts.imu.mass_kg": "2 g"}, "expected a number, found '2 g'"),
         ({"chassis": 3}, "expected a mapping"),
+        ({"motor.mirrored": False}, "motor.mirrored: expected true"),
+        ({"parts.motor": content()["parts"]["imu"]}, "give this part another name"),
         ({"chassis.length_m": 179}, "expected at most 1 m, found 179; a millimetre is 0.001"),
         ({"parts.imu.mass_kg": 21}, "expected at most 20 kg, found 21; a gram is 0.001"),
         ({"parts.imu.position_m": [0, 0, 29.5]}, "position_m.2: expected at most 1 m"),

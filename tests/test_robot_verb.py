@@ -125,6 +125,23 @@ def test_faults_end_with_2_and_no_traceback(tmp_path):
     assert call("--robot", tmp_path / "none.yaml").exit_code == 2
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("body", "trunk", "no body of the scenario robot is called 'trunk'"),
+        ("scenario", "robott", "no scenario is called 'robott'; did you mean robot"),
+        ("scenario", "ball", "the scenario ball has no parameter of a robot"),
+    ],
+)
+def test_a_scene_that_does_not_fit_is_told(tmp_path, key, value, words):
+    tree = yaml.safe_load(robot_file.OWN.read_text(encoding="utf-8")) | {key: value}
+    path = tmp_path / "my.yaml"
+    path.write_text(yaml.safe_dump(tree), encoding="utf-8")
+    with pytest.raises(simcompare.SimcompareError, match=words):
+        simcompare.robot(path, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 def test_models_show_every_part_in_its_place(without_cad, tmp_path):
     """The boxes that are seen, from the axle: those of the file."""
     simcompare.robot(out=tmp_path)

@@ -103,6 +103,10 @@ def _sizes(robot: Robot) -> dict[str, str]:
             f"{chassis.width_m:g} m does not fit between the wheels, which leave {between:g} m;"
             " lower it, or raise wheels.track_m"
         )
+    if not robot.motor.mirrored:
+        found["motor.mirrored"] = "expected true: there is a motor on each side"
+    if "motor" in robot.parts:
+        found["parts.motor"] = "stands beside parts, as motor; give this part another name"
     if 2 * caster.radius_m > caster.height_m:
         found["caster.height_m"] = (
             f"{caster.height_m:g} m is less than the ball's diameter {2 * caster.radius_m:g} m"

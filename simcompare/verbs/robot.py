@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.arguments import checked
+from simcompare.errors import UnknownName
 from simcompare.exporters.products import with_products
 from simcompare.exporters.twins import FORMATS, twin
 from simcompare.hardware.robot import bill, built, cad, robot_file
@@ -117,7 +118,13 @@ def _contents(
 
 
 def _seen(scenario: Scenario, made: Robot) -> Scenario:
-    """The scenario in which the robot looks as its parts do."""
+    """The scenario in which the robot looks as its parts do.
+
+    Raises:
+        UnknownName: the scenario has no such body.
+    """
+    if made.body not in scenario.bodies:
+        raise UnknownName(f"body of the scenario {scenario.name}", made.body, scenario.bodies)
     body = scenario.bodies[made.body].model_copy(update={"visual": built.drawn(made)})
     return scenario.model_copy(update={"bodies": {**scenario.bodies, made.body: body}})
 
