@@ -137,7 +137,7 @@ def test_engine_that_cannot_is_told_and_the_others_run() -> None:
     [
         {},
         {"scenario": "../../etc/passwd"},
-        {"scenario": "/work"},
+        {"scenario": "/etc"},
         {**BALL, "levels": ["/tmp/fit.json"]},
         {**BALL, "levels": []},
         {**BALL, "engines": ["os.system"]},
