@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+import yaml
 
 from simcompare.errors import InputError
 from simcompare.lab import faults, recordings
@@ -160,7 +163,8 @@ def test_fit_gives_every_engine_its_own_values(group, fitted) -> None:
     # the sliders take the ball's own height, so that what is run next can be held against it
     assert fitted["parameters"]["drop_height_m"] == pytest.approx(HEIGHT_M, rel=4e-3)
     assert "table" not in fitted
-    assert (group / "files" / fitted["files"][0]).read_text().startswith("scenario: ball")
+    stored = (group / "files" / fitted["files"][0]).read_text()
+    assert yaml.safe_load(stored)["engines"]["box2d"] == pytest.approx(values["box2d"])
     assert (group / "fits" / "f1" / "fit.json").is_file()
 
 
@@ -171,6 +175,17 @@ def test_fit_tells_how_far_the_students_hand_was(fitted) -> None:
     assert misfit["pymunk", "fitted"] < misfit["pymunk", "by hand"] < misfit["pymunk", "default"]
     levels = [one["level"] for one in fitted["bounces"]["engines"]]
     assert levels == ["default", "default", "fitted", "fitted", "by hand"]
+
+
+def test_commands_in_the_file_of_values_work_when_they_are_pasted(group, fitted, tmp_path) -> None:
+    lines = (group / "files" / fitted["files"][0]).read_text().splitlines()
+    (command,) = [line for line in lines if "--engine box2d" in line]
+    words = [sys.executable, "-m", *shlex.split(command.removeprefix("# ")), "--out", str(tmp_path)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    (row,) = [line for line in done.stdout.splitlines() if line.startswith("box2d")]
+    # the mean of all bounces, of which the last are of few steps
+    found = [float(one.partition("(")[0]) for one in re.findall(r"0\.\d+", row)]
+    assert found[-1] == pytest.approx(RESTITUTION, abs=0.02)
 
 
 def test_impact_that_was_struck_out_is_not_fitted(group) -> None:

@@ -70,7 +70,7 @@ def fit(asked: Asked) -> Plain:
         "student": _student(asked.own(), values),
         "parameters": {k: shortened(v) for k, v in {**found.run_with.closed, **height}.items()},
         "drop": drop,
-        "files": [_values_file(asked, found, values)],
+        "files": [_values_file(asked, found, values, height)],
         **after,
     }
 
@@ -184,13 +184,27 @@ def _student(own: Mapping[str, float], values: Mapping[str, Mapping[str, float]]
     return rows
 
 
-def _values_file(asked: Asked, found: BouncesFit, values: Mapping[str, Mapping[str, float]]) -> str:
-    """Writes all that was found as YAML; the name of the file."""
+def _values_file(
+    asked: Asked, found: BouncesFit, values: Mapping[str, Mapping[str, float]],
+    height: Mapping[str, float],
+) -> str:  # fmt: skip
+    """Writes all that was found as YAML, and how each engine is run with it; the file's name."""
     name = kept.name_of(asked, "values", "yaml")
     content = {
         "scenario": found.scenario,
         "step_s": found.valid.engine_step_s,
-        "parameters": dict(found.run_with.closed),
+        "parameters": {**height, **found.run_with.closed},
         "engines": {engine: dict(own) for engine, own in values.items()},
     }
-    return kept.file(asked.folder(), name, yaml.safe_dump(content, sort_keys=False))
+    runs = [_command(found, engine, own, height) for engine, own in values.items()]
+    head = "".join(f"# {line}\n" for line in ["at home, with simcompare:", *runs])
+    return kept.file(asked.folder(), name, head + yaml.safe_dump(content, sort_keys=False))
+
+
+def _command(
+    found: BouncesFit, engine: str, own: Mapping[str, float], height: Mapping[str, float]
+) -> str:
+    set_ = {**height, "restitution": found.run_with.closed.get("restitution")}
+    options = [f"--set {name}={shortened(v)}" for name, v in set_.items() if v is not None]
+    options += [f"--own {engine}.{name}={shortened(value)}" for name, value in own.items()]
+    return " ".join([f"simcompare run {found.scenario} --engine {engine}", *options])

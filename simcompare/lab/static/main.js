@@ -23,7 +23,7 @@ function expert(isOn) {
 // what the group has stored, also before a restart of the server
 async function stored(real) {
   const found = await get(`/api/groups/${encodeURIComponent(group())}`).catch(() => null);
-  const results = (found?.results ?? []).filter((one) => one.kind === "fit"), files = found?.files ?? [];
+  const results = (found?.results ?? []).filter((one) => one.kind === "fit" && one.recording), files = found?.files ?? [];
   byId("results").hidden = !results.length && !files.length;
   byId("stored").replaceChildren(
     ...results.map((one) => made(one, real)),
