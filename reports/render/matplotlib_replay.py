@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 SIZE, DPI = (7.2, 4.0), 110
 #: pictures of one source in a still: the last is full, those before are shades
 _INSTANTS, _SHADE = 9, 0.16
+#: width over height of a scene below which numbers would stand on its edge
+_THIN = 0.3
 _FLOOR, _LIGHT = "#E4E4E4", np.array((0.35, -0.5, 0.8))
 
 
@@ -105,7 +107,7 @@ def _axes(page: Canvas, replay: Replay, actors: Sequence[Actor]) -> Any:  # noqa
     high[replay.across] += wider
     for axis, begin, end in zip("xyz", low, high, strict=True):
         getattr(axes, f"set_{axis}lim")(begin, end)
-        getattr(axes, f"set_{axis}label")(f"{axis} (m)", labelpad=0 if axis == "z" else 8)
+        getattr(axes, f"set_{axis}label")(f"{axis} (m)", labelpad=0 if axis == "z" else 24)
         share = (end - begin) / float(np.max(high - low))
         axes.locator_params(axis=axis, nbins=max(1, round(5 * share)))
     axes.set_box_aspect(high - low, zoom=_zoom(replay, high - low))
@@ -117,6 +119,11 @@ def _axes(page: Canvas, replay: Replay, actors: Sequence[Actor]) -> Any:  # noqa
     for axis in ("xy"[number] for number in hidden):
         getattr(axes, f"set_{axis}ticks")([])
         getattr(axes, f"set_{axis}label")("")
+    if _faces(replay):  # a thin scene has no room for a name beside the numbers
+        axes.set_zlabel("")
+        axes.zaxis.set_major_formatter("{x:g} m")
+        is_thin = high[replay.across] - low[replay.across] < _THIN * (high[2] - low[2])
+        axes.tick_params(axis="z", pad=26 if is_thin else 4)
     handles = [Patch(color=actor.colour, label=matplotlib_.plain(actor.label)) for actor in actors]
     if any(actor.label for actor in actors):
         page.legend(handles=handles, loc="outside upper center", frameon=False, ncols=6)
