@@ -48,8 +48,9 @@ export class Real {
   }
   state(text) { byId("real-state").textContent = text; }
   async record() {
-    this.recorder = new Recorder({ level: (peak, time_s) => this.level(peak, time_s), told: (text) => { byId("granted").textContent = text; } });
-    this.listening(true);
+    this.recorder = new Recorder({ level: (peak, time_s) => this.level(peak, time_s), told: (text) => { byId("granted").textContent = text; }, began: () => this.listening(true) });
+    // the browser may ask its user first: nobody listens yet
+    this.state(words("real.opening"));
     try {
       const { blob, reason, lost_s } = await this.recorder.start();
       this.listening(false);
@@ -88,7 +89,6 @@ export class Real {
     const group = this.group(), of = encodeURIComponent(group);
     const [heard, { request, result }] = await Promise.all([get(`/api/recordings/${of}/${recording}`), get(`/api/results/${of}/${id}`)]);
     const { scenario, engines, contact = {}, struck = [] } = request;
-    this.drop.heard = heard;
     if (this.drop.choices.scenario.name !== scenario) await this.drop.open(scenario);
     await this.show(heard, [], false);
     struck.filter((i) => !this.waveform.struck.has(i)).forEach((i) => this.waveform.strike(i));
@@ -101,6 +101,7 @@ export class Real {
   }
   async show(recording, notes = [], isDropped = true) {
     this.recording = recording;
+    this.drop.heard = recording.drop ? recording : null;
     const { impacts = [], faults = [], drop, frame } = recording, count = impacts.length;
     say(byId("real-faults"), faults);
     if (frame) this.scale.show(recording);

@@ -56,8 +56,8 @@ class Listener {
 
 /** Records until it is quiet again; `end` ends it earlier. */
 export class Recorder {
-  constructor({ level, told }) {
-    Object.assign(this, { level, told, blocks: [], lost: 0 });
+  constructor({ level, told, began }) {
+    Object.assign(this, { level, told, began, blocks: [], lost: 0 });
   }
   async start() {
     this.stream = await open();
@@ -78,6 +78,7 @@ export class Recorder {
     };
     // the worklet runs only while it leads somewhere; it gives silence
     source.connect(node).connect(this.context.destination);
+    this.began();
     const reason = await done;
     node.port.onmessage = null;
     this.stream.getTracks().forEach((one) => one.stop());
