@@ -1,7 +1,7 @@
 // curves over time, and bounces beside each other
 import { words } from "/static/words.js";
 
-const INK = "#1b1b1b", GRID = "#e3e3e3", FONT_PX = 14, LOW_PX = 380;
+const INK = "#1b1b1b", GRID = "#e3e3e3", FONT_PX = 14;
 const MEASURED = "#000000", DEFAULT = "default";
 /** The level of values that were set by hand. */
 export const BY_HAND = "by hand";
@@ -11,8 +11,8 @@ const OPTIONS = { displaylogo: false, displayModeBar: false, responsive: true };
 const axis = (text) => ({ title: { text }, gridcolor: GRID, zerolinecolor: GRID, automargin: true });
 
 export function draw(box, data, x, y, more = {}) {
-  // a long title of a low picture stands in two lines
-  const title = box.clientHeight < LOW_PX ? y.replace(/^(.{8,}?) (?=.{0,20}$)/, "$1<br>") : y;
+  // a long title stands in two lines: a phone's picture is low
+  const title = y.replace(/^(.{8,}?) (?=.{0,20}$)/, "$1<br>");
   const layout = {
     font: { size: FONT_PX, color: INK, family: "system-ui, sans-serif" }, separators: ".",
     margin: { l: 60, r: 10, t: 8, b: 48 }, paper_bgcolor: "#fff", plot_bgcolor: "#fff",
