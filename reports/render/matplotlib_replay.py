@@ -107,7 +107,7 @@ def _axes(page: Canvas, replay: Replay, actors: Sequence[Actor]) -> Any:  # noqa
     high[replay.across] += wider
     for axis, begin, end in zip("xyz", low, high, strict=True):
         getattr(axes, f"set_{axis}lim")(begin, end)
-        getattr(axes, f"set_{axis}label")(f"{axis} (m)", labelpad=0 if axis == "z" else 24)
+        getattr(axes, f"set_{axis}label")(f"{axis} (m)", labelpad=0 if axis == "z" else 16)
         share = (end - begin) / float(np.max(high - low))
         axes.locator_params(axis=axis, nbins=max(1, round(5 * share)))
     axes.set_box_aspect(high - low, zoom=_zoom(replay, high - low))
@@ -123,7 +123,7 @@ def _axes(page: Canvas, replay: Replay, actors: Sequence[Actor]) -> Any:  # noqa
         axes.set_zlabel("")
         axes.zaxis.set_major_formatter("{x:g} m")
         is_thin = high[replay.across] - low[replay.across] < _THIN * (high[2] - low[2])
-        axes.tick_params(axis="z", pad=26 if is_thin else 4)
+        axes.tick_params(axis="z", pad=26 if is_thin else 8)
     handles = [Patch(color=actor.colour, label=matplotlib_.plain(actor.label)) for actor in actors]
     if any(actor.label for actor in actors):
         page.legend(handles=handles, loc="outside upper center", frameon=False, ncols=6)
