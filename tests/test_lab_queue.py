@@ -19,7 +19,7 @@ class FakeDesk:
 
     done: list[str]
 
-    def __init__(self, _):
+    def __init__(self, *_):
         self.progress = 0.0
 
     async def do(self, task, limit_s):
@@ -71,6 +71,36 @@ def test_jobs_of_one_group_keep_their_order(order):
 def test_a_group_whose_jobs_run_waits_for_those_that_have_none():
     waiting = [("a", "a1"), ("a", "a2"), ("b", "b0")]
     assert queue.in_turn(waiting, {"a": 1}, {}) == ["b0", "a1", "a2"]
+
+
+def test_recordings_are_read_by_a_worker_of_their_own(monkeypatch):
+    done = []
+
+    class Noting(FakeDesk):
+        def __init__(self, _, warm="warm"):
+            super().__init__()
+            self.warm = warm
+
+        async def do(self, task, limit_s):
+            done.append((task.kind, self.warm))
+            return await super().do(task, limit_s)
+
+    async def all_of_it():
+        waiting = Queue(print, 2)
+        kinds = ("recording", "run", "fit", "scale", "film")
+        jobs = [waiting.add(named(f"{i}", kind)) for i, kind in enumerate(kinds)]
+        waiting.begin()
+        for job in jobs:
+            await job.ended.wait()
+        await waiting.end()
+
+    monkeypatch.setattr(queue, "Desk", Noting)
+    FakeDesk.done = []
+    asyncio.run(all_of_it())
+    assert sorted(done) == [
+        ("film", "warm"), ("fit", "warm"), ("recording", "warm_reader"), ("run", "warm"),
+        ("scale", "warm_reader"),
+    ]  # fmt: skip
 
 
 def test_a_group_may_not_fill_the_queue():

@@ -5,10 +5,14 @@ from __future__ import annotations
 import base64
 import json
 import math
+import multiprocessing
+import sys
+from concurrent.futures import ProcessPoolExecutor
 
 import pytest
 
 from simcompare.errors import InputError, SimcompareError, UnknownName
+from simcompare.hardware import confined
 from simcompare.hardware.recordings import published
 from simcompare.lab.work import perform
 
@@ -95,6 +99,23 @@ def test_job_without_a_scenario_is_told_what_is_missing(tmp_path) -> None:
     for kind in ("run", "fit", "script"):
         with pytest.raises(InputError, match="scenario: is missing; this job needs one"):
             perform(kind, {"levels": ["tuned"], "folder": str(tmp_path), "id": "0" * 16})
+
+
+def read_in_a_worker(path: str) -> tuple[float, bool]:
+    """How a ball bounces, as a worker reads it, and whether that can go on in copies of itself."""
+    perform("warm_reader", {})
+    found = perform("recording", {"path": path, "kind": "table"})
+    return found["drop"]["middle"], confined.fork_is_safe()
+
+
+def test_worker_that_reads_recordings_has_no_engines_beside_it(tmp_path) -> None:
+    """Else each reading begins a Python of its own, as other threads hold locks."""
+    table = tmp_path / "drop.csv"
+    table.write_text("bounce,interval_s\n1,0.8\n2,0.64\n3,0.512\n")
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as workers:
+        middle, is_safe = workers.submit(read_in_a_worker, str(table)).result()
+    assert middle == pytest.approx(0.8)
+    assert is_safe == sys.platform.startswith("linux")
 
 
 def test_scenario_in_which_nothing_bounces_has_no_values_for_a_bounce() -> None:

@@ -79,10 +79,11 @@ class Desk:
 
     Args:
         perform: what a job does; a function of a module, as it travels by its name.
+        warm: kind of the job that is done before all others.
     """
 
-    def __init__(self, perform: Perform) -> None:
-        self._perform = perform
+    def __init__(self, perform: Perform, warm: str = "warm") -> None:
+        self._perform, self._first = perform, warm
         self._begin()
 
     @property
@@ -96,7 +97,7 @@ class Desk:
         self._pid: Any = context.Value("l", 0)
         shared = (self._share, self._pid)
         self._pool = ProcessPoolExecutor(1, context, initializer=_enter, initargs=shared)
-        self._warm: Future[None] = self._pool.submit(_load, self._perform)
+        self._warm: Future[None] = self._pool.submit(_load, self._perform, self._first)
 
     async def do(self, task: Task, limit_s: float) -> Ending:
         """Has a job done.
@@ -157,10 +158,10 @@ def _limit_memory() -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY_BYTES, _MEMORY_BYTES))
 
 
-def _load(perform: Perform) -> None:
+def _load(perform: Perform, warm: str) -> None:
     """Starts what the first job would wait for; what goes wrong then is told when it is needed."""
     with contextlib.suppress(SimcompareError):
-        perform("warm", {})
+        perform(warm, {})
 
 
 def _do(perform: Perform, task: Task) -> Ending:

@@ -18,6 +18,9 @@ WAITING, RUNNING, DONE, FAILED = "waiting", "running", "done", "failed"
 _OF_A_GROUP, _OF_ALL, _KEPT = 20, 1000, 5000
 #: kinds of jobs that take long: one worker is kept free of them, so that sliders answer at once
 LONG = ("fit", "report", "film")
+#: kinds of which recordings are read, by one worker that has no engines: beside them each reading
+#: would begin a Python of its own, which takes four times as long as what it does
+READING = ("recording", "scale")
 #: longest time for a job [s]
 LIMIT_S = 120.0
 
@@ -77,6 +80,7 @@ class Queue:
     def begin(self) -> None:
         """Starts the workers."""
         self._desks = [Desk(self._perform) for _ in range(self._count)]
+        self._desks.append(Desk(self._perform, "warm_reader"))
         self._clerks = [asyncio.create_task(self._serve(desk)) for desk in self._desks]
 
     async def end(self) -> None:
@@ -88,7 +92,7 @@ class Queue:
 
     @property
     def workers(self) -> int:
-        """How many jobs run at once."""
+        """How many jobs run at once, beside those that read."""
         return self._count
 
     @property
@@ -148,9 +152,13 @@ class Queue:
 
     def _next(self, desk: Desk) -> Job | None:
         """The job whose turn it is at a desk."""
-        takes_all = desk is not self._desks[0] or len(self._desks) == 1
-        fitting = (job for job in self._order() if takes_all or job.task.kind not in LONG)
-        return next(fitting, None)
+        return next((job for job in self._order() if self._takes(desk, job.task.kind)), None)
+
+    def _takes(self, desk: Desk, kind: str) -> bool:
+        first, reader = self._desks[0], self._desks[-1]
+        if kind in READING or desk is reader:
+            return kind in READING and desk is reader
+        return kind not in LONG or desk is not first or self._count == 1
 
     async def _run(self, job: Job, desk: Desk) -> None:
         job.state, job.desk = RUNNING, desk

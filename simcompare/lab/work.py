@@ -7,18 +7,23 @@ import contextlib
 import functools
 import multiprocessing
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.logs import importers
 from simcompare.lab import facts, fits, recordings, runs, takeaways, video
 from simcompare.lab.asked import Asked, number
+from simcompare.lab.queue import READING
 from simcompare.lab.translation import each
 from simcompare.model.plain import Plain
 from simcompare.running import doctor
 from simcompare.running.runner import kept_processes
 
 _KEPT = contextlib.ExitStack()
+#: libraries with which recordings are read
+_READ_WITH = ("scipy.signal", "soundfile", "duckdb")
 
 
 def perform(kind: str, request: Mapping[str, Any]) -> Plain:
@@ -26,7 +31,7 @@ def perform(kind: str, request: Mapping[str, Any]) -> Plain:
 
     Args:
         kind: "scenarios", "scenario", "run", "fit", "script", "report", "recording", "film"
-            or "scale"; "warm" before the first of them.
+            or "scale"; before the first of them "warm", or "warm_reader" where all of them read.
         request: what the page asks, with what the server adds to it.
 
     Returns:
@@ -39,7 +44,8 @@ def perform(kind: str, request: Mapping[str, Any]) -> Plain:
         raise UnknownName("kind of job", kind, _KINDS)
     asked = Asked(request)
     asked.check()
-    _keep_engines()
+    if kind not in _WITHOUT_ENGINES:
+        _keep_engines()
     return _KINDS[kind](asked)
 
 
@@ -56,6 +62,16 @@ def _warm(asked: Asked) -> Plain:
     """Starts the engines' processes, before the first job waits for them."""
     del asked
     doctor.doctor()
+    return {}
+
+
+def _warm_reader(asked: Asked) -> Plain:
+    """Loads what reads recordings; each reading is a copy of this process."""
+    del asked
+    for load, names in ((importers.get, importers.targets()), (import_module, _READ_WITH)):
+        for name in names:
+            with contextlib.suppress(Exception):  # it is told where it is needed
+                load(name)
     return {}
 
 
@@ -89,8 +105,11 @@ def _told(found: Plain, asked: Asked) -> Plain:
     return {**found, "notes": each(found["notes"], asked.language)}
 
 
+#: kinds for which engines' processes are not begun: a process with them cannot be copied safely
+_WITHOUT_ENGINES = ("warm_reader", *READING)
 _KINDS: Mapping[str, Callable[[Asked], Plain]] = {
     "warm": _warm,
+    "warm_reader": _warm_reader,
     "scenarios": _scenarios,
     "scenario": _scenario,
     "run": runs.run,
