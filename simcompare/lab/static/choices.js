@@ -37,7 +37,7 @@ export class Choices {
   // an engine's own values; they count from the first touch until they are put back
   hand({ name, contact }) {
     const use = tick("checkbox", "hand", name, words("hand.use", { engine: name }));
-    const comes = (one) => (one.tuned === null || one.tuned === one.value ? one.text : `${one.text} ${words("hand.comes", { value: one.value, unit: one.unit === "1" ? "" : one.unit }).trim()}`);
+    const comes = (one) => (one.tuned === null || one.tuned === one.value ? one.text : `${one.text} ${words("hand.comes", { value: one.value, unit: one.unit === "1" ? "" : one.unit }).trim()}.`);
     const sliders = contact.map((one) => new Slider({ ...one, text: comes(one) }, () => {
       use.firstChild.checked = true;
       this.changed(BY_HAND);
