@@ -101,6 +101,22 @@ def test_a_slider_moved_by_keys_changes_both_pictures(page: Page) -> None:
     assert page.ask("() => performance.getEntriesByName('from change to picture').length") >= 2
 
 
+def test_a_phone_that_is_out_of_reach_for_a_moment_asks_again(page: Page, address: str) -> None:
+    _begin(page, address)
+    page.ask(
+        """() => { const there = window.fetch; window.lost = 0;
+            window.fetch = (path, ...more) => {
+                const isPoll = String(path).startsWith("/api/jobs/");
+                if (!isPoll || window.lost > 1) return there(path, ...more);
+                window.lost += 1;
+                return Promise.reject(new TypeError("Failed to fetch")); }; }"""
+    )
+    page.put("#parameters input[type=number]", "2")
+    page.until("() => document.querySelector('#curve').data[1].y[0] === 2")
+    assert page.ask("() => window.lost") == 2
+    assert page.ask("() => document.querySelector('#drop-faults').hidden")
+
+
 def test_a_number_out_of_its_bounds_is_refused_in_words(page: Page) -> None:
     before = _heights(page)
     page.put("#parameters input[type=number]", "-3")

@@ -3,6 +3,8 @@ import { language, words } from "/static/words.js";
 
 // so long one question waits for an answer: the page tells in between how far it is
 const WAIT_S = 2;
+// a phone loses its Wi-Fi for a moment: so often a job is asked for again, and so long after
+const TRIES = 15, PAUSE_MS = 2000;
 
 /** What was refused, in sentences. */
 export class Refused extends Error {
@@ -12,13 +14,11 @@ export class Refused extends Error {
   }
 }
 
+/** What did not come: the server may be asked again. */
+class Lost extends Refused {}
+
 async function answer(asked) {
-  let response;
-  try {
-    response = await asked;
-  } catch {
-    throw new Refused([words("page.no_server")]);
-  }
+  const response = await asked.catch(() => { throw new Lost([words("page.no_server")]); });
   const found = await response.json().catch(() => ({}));
   if (!response.ok) throw new Refused(found.faults ?? [words("page.refused", { status: response.status })]);
   return found;
@@ -40,11 +40,22 @@ export function upload(group, name, kind, blob) {
 /** Where a file of a group is. */
 export const fileOf = (group, name) => `/files/${encodeURIComponent(group)}/${encodeURIComponent(name)}`;
 
+async function patiently(path) {
+  for (let left = TRIES; ; left -= 1) {
+    try {
+      return await get(path);
+    } catch (error) {
+      if (!(error instanceof Lost) || !left) throw error;
+      await new Promise((resolve) => { setTimeout(resolve, PAUSE_MS); });
+    }
+  }
+}
+
 /** Has a job done and gives its result; tells now and then how far it is. */
 export async function job(what, tell = () => {}) {
   const { id } = await post("/api/jobs", { language, ...what });
   for (;;) {
-    const now = await get(`/api/jobs/${id}?wait=${WAIT_S}`);
+    const now = await patiently(`/api/jobs/${id}?wait=${WAIT_S}`);
     if (now.result) return { ...now.result, id };
     if (now.state === "failed") throw new Refused(now.faults ?? [words("page.failed")]);
     tell(now);
