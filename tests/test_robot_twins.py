@@ -141,7 +141,7 @@ def shifted(mass, at):
     return mass * ((at @ at) * np.eye(3) - np.outer(at, at))
 
 
-def test_the_chassis_opens_in_a_second_kernel(made):
+def test_a_mesh_of_the_chassis_has_the_volume_and_centre_of_the_drawing(made):
     """Its triangles, integrated without the CAD kernel; round holes are polygons of 0.01 mm."""
     need_cad()
     path, folder = made
