@@ -94,6 +94,8 @@ def test_a_sound_that_is_no_number_is_refused(tmp_path) -> None:
          " of no known format"),
         ("/g/source.csv", "line 1 of /g/source.csv: 0. Write it into map.yaml, and add --map m.",
          "line 1 of drop.csv: 0."),
+        ("/g/source.csv", "no column is a time (columns: a). where no unit is known, unit: 1 keeps"
+         " a plain number: {time: {rate_Hz: 100}}", "no column is a time (columns: a)."),
         ("source.mp4", "has 1 picture; film a second", "drop.csv: has 1 picture; film a second"),
         ("ball, --set", "no parameter is called x", "no parameter is called x"),
         ("ball", "add --map", "ball: add --map"),
@@ -104,8 +106,14 @@ def test_faults_are_told_without_places_and_advice_for_a_terminal(where, fault, 
     request = {"folder": "/g", "path": path, "name": "drop.csv"}
     first, *rest = faults.told(InputError(where, [fault]), request)
     assert first == said
-    is_cut = "simcompare" in fault or "map.yaml" in fault
+    is_cut = any(one in fault for one in ("simcompare", "map.yaml", "rate_Hz"))
     assert [one.partition(",")[0] for one in rest] == ["Send a sound as WAV or FLAC"] * is_cut
+
+
+@pytest.mark.parametrize("where", ["source.csv", "track.csv"])
+def test_faults_of_a_fit_do_not_speak_of_the_labs_own_files(where) -> None:
+    fault = "the measured numbers tell nothing of restitution"
+    assert faults.told(InputError(where, [fault]), {"folder": "/g", "recording": "0a"}) == (fault,)
 
 
 def test_of_very_many_faults_the_first_are_told() -> None:

@@ -12,7 +12,9 @@ from simcompare.lab.refusals import say
 from simcompare.lab.translation import translated
 
 #: what only a command line understands, and where a part of a fault ends
-_COMMAND = re.compile(r"\bsimcompare [a-z]|(?<!\w)--[a-z]|SIMCOMPARE_|\bmap\.yaml")
+_COMMAND = re.compile(r"\bsimcompare [a-z]|(?<!\w)--[a-z]|SIMCOMPARE_|\bmap\.yaml|rate_Hz")
+#: files as the lab calls them, of which a student knows nothing
+_STORED = re.compile(r"(source|track)\.\w+")
 _END = re.compile(r"(?<=[;.]) ")
 #: faults that are told; whoever made so many made most of them the same way
 _TOLD = 20
@@ -29,7 +31,8 @@ def told(error: SimcompareError, request: Mapping[str, Any]) -> tuple[str, ...]:
     if not isinstance(error, InputError):
         return (_without_places(str(error), request).strip(),)
     language, folder = str(request.get("language", "en")), str(request.get("folder", "\0"))
-    where = "" if folder in error.where or _COMMAND.search(error.where) else f"{error.where}: "
+    is_ours = folder in error.where or ("path" not in request and _STORED.fullmatch(error.where))
+    where = "" if is_ours or _COMMAND.search(error.where) else f"{error.where}: "
     given = list(error.faults[:_TOLD])
     plain = [for_page(fault) for fault in given]
     faults = [f"{where}{translated(fault, language)}" for fault in plain]
