@@ -281,6 +281,8 @@ def test_a_group_may_not_fill_the_disk_with_small_files_or_jobs(client, monkeypa
         assert answer.status_code == 507
         (fault,) = answer.json()["faults"]
         assert fault.startswith("The group has stored all that it may, 2 GB or 0 recordings")
+    # of runs only the latest are kept
+    assert asked(client, group="Hooke")["state"] == "done"
 
 
 def test_a_full_disk_is_told(client, monkeypatch):
@@ -288,11 +290,11 @@ def test_a_full_disk_is_told(client, monkeypatch):
 
     usage = shutil.disk_usage("/")
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=10**6))
-    answer = sent(client, WAV)
-    assert (answer.status_code, answer.json()["faults"]) == (
-        507,
-        ["The disk of the lab is nearly full, so nothing more is stored."],
-    )
+    for answer in (sent(client, WAV), client.post("/api/jobs", json={"group": "H", "kind": "run"})):
+        assert (answer.status_code, answer.json()["faults"]) == (
+            507,
+            ["The disk of the lab is nearly full, so nothing more is stored."],
+        )
 
 
 # ---- what is served

@@ -80,11 +80,16 @@ class Group:
     def make_room(self, size: int) -> None:
         """Makes sure that so many bytes more may be stored.
 
+        Args:
+            size: bytes; with 0 only the disk is looked at, as the whole folder takes its time.
+
         Raises:
             Refused: the group has much already, or the disk is full.
         """
         if shutil.disk_usage(self.folder).free - size < _FREE_BYTES:
             raise Refused(507, "disk_full")
+        if not size:
+            return
         kept = sum(len(_entries(self.folder / part)) for part in ("recordings", "files"))
         if kept >= _MOST_KEPT or _size(self.folder) + size > _GROUP_BYTES:
             raise Refused(507, "group_full", most=_GROUP_BYTES // 10**9, count=_MOST_KEPT)

@@ -15,7 +15,7 @@ from simcompare.scenarios import catalogue
 
 #: kinds of jobs that a group may ask for
 KINDS = ("run", "fit", "script", "report")
-#: most that a job stores, such as a report [bytes]
+#: most that a job stores for good, such as a report [bytes]; of runs only the latest are kept
 _JOB_BYTES = 30 * 10**6
 #: what only the server says
 _OWN = ("folder", "id", "language", "kind", "group")
@@ -68,7 +68,7 @@ class Lab:
             group.recording(asked["recording"])
         if asked.get("result") is not None:
             group.result(asked["result"])
-        group.make_room(_JOB_BYTES)
+        group.make_room(0 if asked["kind"] == "run" else _JOB_BYTES)
         return group
 
     async def ask(self, group: str, kind: str, request: dict[str, Any]) -> bytes:
