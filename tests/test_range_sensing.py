@@ -200,3 +200,11 @@ def test_all_zones_are_stored_and_read_back():
     assert list(columns)[:3] == ["time_s", "tof.range_m.0", "tof.range_m.1"]
     again = store._from_columns("mine", "", columns)
     np.testing.assert_array_equal(again.signals["tof.range_m"], run.signals["tof.range_m"])
+
+
+@pytest.mark.engines("mujoco")
+def test_a_script_that_casts_no_rays_is_refused():
+    from simcompare.exporters.scripts import write
+
+    with pytest.raises(InputError, match=r"sensor eye of time_of_flight.*casts no rays"):
+        write.script("time_of_flight", engine="mujoco", contact=TUNED)

@@ -92,6 +92,9 @@ def script(
         step_s = sample_step_s(file, values, preset, step)
     repeats = repeats_of(file, values, preset, step_s, None)
     nominal = repeats[len(repeats) // 2]
+    if looking := nominal.range_sensors():
+        fault = "a script casts no rays; write it as urdf, sdf or mjcf, or run it in simcompare"
+        raise InputError(f"sensor {', '.join(looking)} of {nominal.name}", [fault])
     shifted = _shifted(file, nominal)
     chosen.version()
     settings, tuning = _settings(chosen, level, nominal, fit, own or {})
