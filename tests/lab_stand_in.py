@@ -7,7 +7,6 @@ import time
 from collections import Counter
 
 from simcompare.errors import InputError, UnknownName
-from simcompare.lab import progress
 
 SCENARIOS = {"scenarios": [{"name": "ball", "title": "A <b>ball</b>", "question": "?"}]}
 
@@ -46,7 +45,6 @@ def _die(_):
 
 
 def _long(_):
-    progress.tell(0.25)
     time.sleep(1000)
 
 

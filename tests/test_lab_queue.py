@@ -20,7 +20,7 @@ class FakeDesk:
     done: list[str]
 
     def __init__(self, *_):
-        self.progress = 0.0
+        pass
 
     async def do(self, task, limit_s):
         FakeDesk.done.append(task.request["name"])

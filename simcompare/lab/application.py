@@ -123,7 +123,7 @@ async def _wait(job: Job, text: str) -> None:
 
 
 def _state(lab: Lab, job: Job, spoken: str) -> dict[str, Any]:
-    told = {"state": job.state, "place": lab.queue.place(job), "progress": job.progress}
+    told = {"state": job.state, "place": lab.queue.place(job)}
     return told | ({"faults": faults(job.ending, spoken)} if job.state == FAILED else {})
 
 

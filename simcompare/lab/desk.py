@@ -20,7 +20,7 @@ from typing import Any
 
 from simcompare.errors import SimcompareError
 from simcompare.hardware import confined
-from simcompare.lab import faults, progress
+from simcompare.lab import faults
 from simcompare.model import whole
 from simcompare.running import guard
 
@@ -86,17 +86,10 @@ class Desk:
         self._perform, self._first = perform, warm
         self._begin()
 
-    @property
-    def progress(self) -> float:
-        """How far its job is, from 0 to 1."""
-        return float(self._share.value)
-
     def _begin(self) -> None:
         context = multiprocessing.get_context("spawn")
-        self._share: Any = context.Value("d", 0.0, lock=False)
         self._pid: Any = context.Value("l", 0)
-        shared = (self._share, self._pid)
-        self._pool = ProcessPoolExecutor(1, context, initializer=_enter, initargs=shared)
+        self._pool = ProcessPoolExecutor(1, context, initializer=_enter, initargs=(self._pid,))
         self._warm: Future[None] = self._pool.submit(_load, self._perform, self._first)
 
     async def do(self, task: Task, limit_s: float) -> Ending:
@@ -106,7 +99,6 @@ class Desk:
             task: the job.
             limit_s: seconds after which the worker is ended; it begins when the worker is ready.
         """
-        self._share.value = 0.0
         try:
             await asyncio.wrap_future(self._warm)
             done = self._pool.submit(_do, self._perform, task)
@@ -136,7 +128,7 @@ class Desk:
         self._pool.shutdown(wait=pid > 0, cancel_futures=True)
 
 
-def _enter(share: Any, pid: Any) -> None:  # noqa: ANN401
+def _enter(pid: Any) -> None:  # noqa: ANN401
     """First of all in the worker: Ctrl-C reaches the server alone, whose end is ours, too."""
     os.setsid()
     with pid.get_lock():
@@ -147,7 +139,6 @@ def _enter(share: Any, pid: Any) -> None:  # noqa: ANN401
     parent = multiprocessing.parent_process()
     if parent is not None:
         guard.begin(parent.sentinel)
-    progress.tell_to(share)
 
 
 def _limit_memory() -> None:
@@ -208,7 +199,7 @@ def _store(task: Task, result: Mapping[str, Any]) -> None:
     asked = {name: value for name, value in task.request.items() if name != "folder"}
     when = datetime.now(UTC).isoformat(timespec="seconds")
     head = {"id": task.place.name, "kind": task.kind, "when": when}
-    ended = {"state": "done", "place": 0, "progress": 1.0}
+    ended = {"state": "done", "place": 0}
     summed = {name: result[name] for name in _SUMMED if name in result}
     summed |= {name: asked[name] for name in _ASKED if name in asked}
     task.place.parent.mkdir(parents=True, exist_ok=True)

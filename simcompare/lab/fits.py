@@ -14,7 +14,7 @@ from simcompare.engine import by_hand
 from simcompare.errors import InputError
 from simcompare.fitting.bounces import reading
 from simcompare.fitting.bounces.bounce_models import GRAVITY
-from simcompare.lab import kept, progress, published, recordings, runs, scores, sentences
+from simcompare.lab import kept, published, recordings, runs, scores, sentences
 from simcompare.lab.asked import Asked
 from simcompare.lab.numbers import shortened
 from simcompare.model.plain import Plain
@@ -42,7 +42,6 @@ def fit(asked: Asked) -> Plain:
     """
     scenario, engines = asked.scenario(), asked.engines()
     made = asked.folder() / FITS / asked.text("id")
-    progress.tell(0.1)
     with _source(asked) as file:
         drop = recordings.drop(reading.drops_of(file, None, None, GRAVITY)[0])
         result = fit_to(
@@ -50,7 +49,6 @@ def fit(asked: Asked) -> Plain:
             time_limit_s=_LIMIT_S,
         )  # fmt: skip
     _put(result.folder, made)
-    progress.tell(0.8)
     assert isinstance(result.record, FitRecord)
     found = result.record.fit
     assert isinstance(found, BouncesFit)

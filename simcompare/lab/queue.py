@@ -36,7 +36,6 @@ class Job:
         state: waiting, running, done or failed.
         ending: how it ended.
         ended: set when it has.
-        desk: where it runs.
     """
 
     group: str
@@ -45,14 +44,6 @@ class Job:
     state: str = WAITING
     ending: Ending = field(default_factory=Ending)
     ended: asyncio.Event = field(default_factory=asyncio.Event)
-    desk: Desk | None = None
-
-    @property
-    def progress(self) -> float:
-        """How far it is, from 0 to 1."""
-        if self.state == RUNNING and self.desk is not None:
-            return self.desk.progress
-        return float(self.state == DONE)
 
 
 class Queue:
@@ -161,7 +152,7 @@ class Queue:
         return kind not in LONG or desk is not first or self._count == 1
 
     async def _run(self, job: Job, desk: Desk) -> None:
-        job.state, job.desk = RUNNING, desk
+        job.state = RUNNING
         self._running.append(job)
         try:
             ending = await desk.do(job.task, self._limits_s.get(job.task.kind, LIMIT_S))
@@ -173,7 +164,7 @@ class Queue:
         self._end(job, ending)
 
     def _end(self, job: Job, ending: Ending) -> None:
-        job.ending, job.desk = ending, None
+        job.ending = ending
         job.state = DONE if ending.is_fine else FAILED
         job.ended.set()
 

@@ -1,7 +1,7 @@
 // all that is asked of the server; what it refuses comes as sentences
 import { language, words } from "/static/words.js";
 
-// so long one question waits for an answer: the page tells in between how far it is
+// so long one question waits for an answer: the page tells in between how long it takes
 const WAIT_S = 2;
 // a phone loses its Wi-Fi for a moment: so often a job is asked for again, and so long after
 const TRIES = 15, PAUSE_MS = 2000;
@@ -51,7 +51,7 @@ async function patiently(path) {
   }
 }
 
-/** Has a job done and gives its result; tells now and then how far it is. */
+/** Has a job done and gives its result; tells now and then whether it waits, and at which place. */
 export async function job(what, tell = () => {}) {
   const { id } = await post("/api/jobs", { language, ...what });
   for (;;) {
