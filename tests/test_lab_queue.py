@@ -115,17 +115,6 @@ def test_a_group_may_not_fill_the_queue():
     asyncio.run(fill())
 
 
-def test_a_waiting_job_can_be_taken_out():
-    async def withdraw():
-        waiting = Queue(print, 1)
-        first, second = waiting.add(named("a0")), waiting.add(named("a1"))
-        waiting.withdraw(first)
-        assert (first.state, first.ending.fault) == ("failed", "withdrawn")
-        assert waiting.place(second) == 1
-
-    asyncio.run(withdraw())
-
-
 @pytest.mark.parametrize("kind", ["fit", "report", "film"])
 def test_one_worker_is_kept_free_of_long_jobs(monkeypatch, kind):
     class Busy(FakeDesk):

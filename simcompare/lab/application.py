@@ -135,15 +135,6 @@ def _stored(request: Request, job_id: str) -> Response:
     return delivery.json_of(request, (place / "result.json").read_bytes())
 
 
-async def _withdraw(request: Request) -> Response:
-    lab = _lab(request)
-    job = lab.queue.find(request.path_params["id"])
-    if job is None:
-        raise Refused(404, "no_job")
-    lab.queue.withdraw(job)
-    return said(request, _state(lab, job, language(request)))
-
-
 # ---- recordings
 
 
@@ -262,7 +253,6 @@ _ROUTES = [
     Route("/api/scenarios/{name}", _scenario),
     Route("/api/jobs", _add_job, methods=["POST"]),
     Route("/api/jobs/{id}", _job),
-    Route("/api/jobs/{id}", _withdraw, methods=["DELETE"]),
     Route("/api/recordings", _add_recording, methods=["POST"]),
     Route("/api/recordings/{id}/scale", _scale, methods=["POST"]),
     Route("/api/recordings/{group:path}/{id}", _recording),

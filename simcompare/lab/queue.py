@@ -112,12 +112,6 @@ class Queue:
         """The job of this id, where it is remembered."""
         return self._jobs.get(job_id)
 
-    def withdraw(self, job: Job) -> None:
-        """Takes out a job that still waits."""
-        if job in self._waiting:
-            self._waiting.remove(job)
-            self._end(job, Ending(fault="withdrawn"))
-
     def place(self, job: Job) -> int:
         """Its place in the row, the first is 1; 0 where it has begun."""
         if job not in self._waiting:
