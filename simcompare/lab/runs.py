@@ -55,14 +55,12 @@ def run(asked: Asked) -> Plain:
 
 
 def _scores(asked: Asked, result: Run) -> list[Plain]:
-    """Against published bounces or those that were recorded, if any; else against the truth."""
+    """Against published bounces or those that were recorded, if any."""
     if asked.published() is not None:
         return published.scores(result, asked.language)
     place = asked.recording()
     drop = None if place is None else kept.drop_of(place)
-    if drop is None:
-        return scores.of_truth(result)
-    return scores.of_recording(result, drop, asked.language)
+    return [] if drop is None else scores.of_recording(result, drop, asked.language)
 
 
 @functools.cache

@@ -1,4 +1,4 @@
-"""How near each source came: to the truth, or to the bounces that were recorded."""
+"""How near each source came to the bounces that were recorded."""
 
 from __future__ import annotations
 
@@ -6,38 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from simcompare.comparison.comparison import FAIL, PASS
 from simcompare.lab.numbers import shortened
 from simcompare.lab.translation import filled
 from simcompare.reports.run import runs
-from simcompare.reports.run.lead import lead_of
 from simcompare.results.run import Run
 
 _BOUNCES = "{misfit} mm from your ball; restitution {value}"
 _STAYS = "{misfit} mm from your ball; it does not bounce"
 #: from here on three digits would be written with a power of ten
 _PLAIN = 999.5
-
-
-def of_truth(result: Run) -> list[dict[str, Any]]:
-    """The leading measure of every source that has one, beside its truth."""
-    lead = lead_of(result)
-    if lead is None:
-        return []
-    found = []
-    for level in runs.modes(result):
-        for name in runs.ran(result, level):
-            score = runs.score_of(result, name, level, lead.measure)
-            if score is None:
-                continue
-            ok = {PASS: True, FAIL: False}.get(score.verdict)
-            text = runs.value_words(result, score)
-            found.append({
-                "source": name, "level": level, "measure": lead.words, "unit": lead.unit,
-                "value": shortened(score.value), "truth": shortened(score.truth), "text": text,
-                **({} if ok is None else {"ok": ok}),
-            })  # fmt: skip
-    return found
 
 
 def of_recording(
@@ -54,7 +31,7 @@ def of_recording(
     """
     heights = {one["bounce"]: one["value"] for one in drop["heights_m"]}
     if not heights:
-        return of_truth(result)
+        return []
     found = []
     for level in runs.modes(result):
         for name in runs.ran(result, level):

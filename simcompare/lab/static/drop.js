@@ -158,8 +158,8 @@ export class Drop {
     return curves(byId("curve"), this.result, level, this.recording && flights(this.heard));
   }
   tables({ table: values, scores }) {
-    const found = [], { published, recording } = this.asked ?? {};
-    if ((published || recording) && scores?.length) found.push(table({ title: words(published ? "drop.scores_published" : "drop.scores_own"), head: [words("drop.engine"), words("drop.level"), words("drop.score")], rows: scores.map((one) => [one.source, one.level, one.text]) }));
+    const found = [], { published } = this.asked ?? {};
+    if (scores?.length) found.push(table({ title: words(published ? "drop.scores_published" : "drop.scores_own"), head: [words("drop.engine"), words("drop.level"), words("drop.score")], rows: scores.map((one) => [one.source, one.level, one.text]) }));
     if (values?.rows?.length) found.push(table(values));
     return found;
   }
