@@ -220,6 +220,20 @@ def test_the_package_names_itself_alike_everywhere(package):
     assert "Not verified on hardware" in (package / "README.md").read_text(encoding="utf-8")
 
 
+def test_a_title_is_text_everywhere():
+    """Whatever stands in it, it is no code of the package, and breaks none of its files."""
+    title = 'Bob "x", **{1: 2} <b> & \' -->'
+    ours = robot_file.read().model_copy(update={"title": title})
+    files = ros_package.package_files(ours, "<robot name='robot'/>")
+    described = ET.fromstring(files[f"{PACKAGE}/package.xml"])
+    assert (described.findtext("description") or "").startswith(f"{title}: ")
+    setup = ast.parse(files[f"{PACKAGE}/setup.py"])
+    told = [
+        k.value for k in ast.walk(setup) if isinstance(k, ast.keyword) and k.arg == "description"
+    ]
+    assert [ast.literal_eval(value) for value in told] == [title]
+
+
 def test_what_the_node_imports_the_package_asks_for(package):
     described = ET.parse(package / "package.xml").getroot()
     asked = {element.text for element in described.findall("exec_depend")}

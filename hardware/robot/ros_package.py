@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from string import Template
+from xml.sax.saxutils import escape
 
 import yaml
 
@@ -35,7 +36,10 @@ def package_files(robot: Robot, urdf: str) -> Mapping[str, str]:
         urdf: the robot's description.
     """
     package = f"{robot.name}_ros"
-    words = {"package": package, "name": robot.name, "title": robot.title, "frames": _frames(robot)}
+    words = {
+        "package": package, "name": robot.name, "title": robot.title, "frames": _frames(robot),
+        "title_xml": escape(robot.title), "title_py": repr(robot.title),
+    }  # fmt: skip
     texts = {
         "package.xml": "package.xml.txt", "setup.py": "setup.py.txt", "setup.cfg": "setup.cfg.txt",
         "README.md": "README.md.txt", "launch/robot.launch.py": "launch.py.txt",
