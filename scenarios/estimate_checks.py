@@ -28,9 +28,10 @@ def faults_of_estimates(scenario: Scenario) -> Faults:
         yield from _of_roles(f"{place}.signals", plan.signals, estimator.signals, scenario)
         yield from _of_roles(f"{place}.truth", plan.truth, estimator.truths, scenario)
         yield from _of_options(place, plan, estimator)
+        measured = {**scenario.sensors, **scenario.actuators}
         for sensor in plan.sensors:
-            if sensor not in scenario.sensors:
-                fault = UnknownName("sensor", sensor, scenario.sensors)
+            if sensor not in measured:
+                fault = UnknownName("sensor", sensor, measured)
                 yield f"{place}.sensors.{sensor}", str(fault)
 
 

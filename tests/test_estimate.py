@@ -199,7 +199,8 @@ def test_a_filter_that_refuses_every_reading_is_still_told():
     time_s = np.arange(0.0, 1.0, 0.1)
     rates = {side: Signal(time_s, np.full(10, 50.0), 0.01) for side in ("left_rate", "right_rate")}
     options = {"radius_m": 0.03, "track_m": 0.1, "u_start_speed_m_s": 1e-3, "u_start_m": 1e-4,
-               "speed_noise_m2_s3": 1e-9, "turn_noise_rad2_s3": 1e-9}  # fmt: skip
+               "u_push_m_s2": 1e-9, "u_turn_rad_s2": 1e-9, "jerk_density_m2_s5": 1e-9,
+               "turn_jerk_density_rad2_s5": 1e-9}  # fmt: skip
     one = estimators.apply(estimators.load("pose_filter"), Given(rates, {}, options))
     found = estimating.of_source("robot", None, [one])
     assert found.nis is None

@@ -6,32 +6,44 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from simcompare.errors import InputError
 from simcompare.estimation import consistency, estimators, pose_model
 from simcompare.estimation.estimate import Given, Signal
-from simcompare.estimation.pose_model import HEADING, RATE, SPEED, Ranger, Robot, X
+from simcompare.estimation.pose_model import (
+    HEADING,
+    LEFT,
+    PUSH,
+    RATE,
+    RIGHT,
+    SPEED,
+    TURN,
+    Ranger,
+    Robot,
+    X,
+)  # fmt: skip
 from simcompare.statistics.streams import stream
 
 #: the robot of the catalogue: η·N·k/(R·r) and η·N²·(k²/R + b)/r² of one motor
-ROBOT = Robot(0.0325, 0.12, 0.782691, 2.5e-3, 0.4738, 4.00178, 0.5, 0.02, 1.0)
+ROBOT = Robot(0.0325, 0.12, 0.782691, 2.5e-3, 0.4738, 4.00178, 0.5, 0.0108, 0.1, 10.0)
 STATES = [
-    np.array([0.3, -0.2, 0.7, 0.15, -0.9]),
-    np.array([0.0, 0.0, -2.9, -0.3, 2.0]),
-    np.array([1.0, 2.0, 0.1, 0.4, 0.0]),
+    np.array([0.3, -0.2, 0.7, 0.15, -0.9, 0.2, -1.0, 0.1, 0.2]),
+    np.array([0.0, 0.0, -2.9, -0.3, 2.0, -0.5, 3.0, -0.1, 0.3]),
+    np.array([1.0, 2.0, 0.1, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0]),
 ]
 
 
 def differences(function, state, size):
     """Central differences; each step is small beside the state and large beside rounding."""
     columns = []
-    for i in range(5):
-        step = np.zeros(5)
+    for i in range(9):
+        step = np.zeros(9)
         step[i] = 1e-6
         high, low = (np.atleast_1d(function(state + sign * step)) for sign in (1, -1))
         columns.append((high - low) / 2e-6)
-    return np.array(columns).T.reshape(size, 5)
+    return np.array(columns).T.reshape(size, 9)
 
 
 #: rounding 1e-16 over a step of 1e-6, and its square times third derivatives of up to 100
@@ -42,37 +54,44 @@ CLOSE = {"abs": 2e-8, "rel": 1e-7}
 @pytest.mark.parametrize("step_s", [0.001, 0.128])
 def test_the_motion_is_differentiated_rightly(state, step_s):
     found = pose_model.move(ROBOT, state, step_s, 1.0, 2.5).transition
-    by_steps = differences(lambda one: pose_model.move(ROBOT, one, step_s, 1.0, 2.5).mean, state, 5)
+    by_steps = differences(lambda one: pose_model.move(ROBOT, one, step_s, 1.0, 2.5).mean, state, 9)
     assert found == pytest.approx(by_steps, **CLOSE)
 
 
 def test_the_motion_begins_as_the_equations_say():
     state = STATES[0]
-    theta, v = state[HEADING], state[SPEED]
+    theta, v, w = state[HEADING], state[SPEED], state[RATE]
     step_s = 1e-7
-    rows = (pose_model.move(ROBOT, state, step_s, 1.0, 2.5).transition - np.eye(5)) / step_s
-    known = np.zeros((5, 5))
+    rows = (pose_model.move(ROBOT, state, step_s, 1.0, 2.5).transition - np.eye(9)) / step_s
+    back = ROBOT.load_behind_kg_m / ROBOT.inertia_kg
+    turned = ROBOT.load_behind_kg_m / ROBOT.turning_inertia_kg_m2
+    known = np.zeros((9, 9))
     known[0, 2], known[0, 3] = -v * math.sin(theta), math.cos(theta)
     known[1, 2], known[1, 3] = v * math.cos(theta), math.sin(theta)
     known[2, 4] = 1.0
     known[3, 3] = -2 * ROBOT.damping_N_s_m / ROBOT.inertia_kg
+    known[3, 4], known[3, PUSH] = -2 * back * w, 1.0
     known[4, 4] = -ROBOT.damping_N_s_m * ROBOT.track_m**2 / (2 * ROBOT.turning_inertia_kg_m2)
+    known[4, 4] += turned * v
+    known[4, 3], known[4, TURN] = turned * w, 1.0
+    known[LEFT, [3, 4]], known[RIGHT, [3, 4]] = (1.0, -0.06), (1.0, 0.06)
     # λ²·T/2 of the exponential, T = 1e-7 and λ = 12/s, and rounding 1e-16/T
     assert rows == pytest.approx(known, abs=2e-5)
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_the_wheels_are_differentiated_rightly(state):
-    _, found = pose_model.wheel_rates(ROBOT, state, 1.0, 2.5, 0.01)
-    by_steps = differences(
-        lambda one: pose_model.wheel_rates(ROBOT, one, 1.0, 2.5, 0.01)[0], state, 2
-    )
+def test_what_wheels_and_accelerometer_read_is_differentiated_rightly(state):
+    _, found = pose_model.wheel_rates(ROBOT, state)
+    by_steps = differences(lambda one: pose_model.wheel_rates(ROBOT, one)[0], state, 2)
+    assert found == pytest.approx(by_steps, **CLOSE)
+    _, found = pose_model.accelerations(ROBOT, state, 1.0, 2.5)
+    by_steps = differences(lambda one: pose_model.accelerations(ROBOT, one, 1.0, 2.5)[0], state, 2)
     assert found == pytest.approx(by_steps, **CLOSE)
 
 
 @pytest.mark.parametrize("state", STATES)
 def test_ranges_are_differentiated_rightly(state):
-    ranger, beacon = Ranger(0.05, -0.02, 0.4), np.array([2.3, 0.1])
+    ranger, beacon = Ranger(0.05, -0.02, 0.4, 0.3), np.array([2.3, 0.1])
     _, found = pose_model.range_to_beacon(ranger, state, beacon)
     by_steps = differences(lambda one: pose_model.range_to_beacon(ranger, one, beacon)[0], state, 1)
     assert found[None] == pytest.approx(by_steps, **CLOSE)
@@ -82,13 +101,25 @@ def test_ranges_are_differentiated_rightly(state):
 
 
 def test_a_range_to_a_wall_is_how_far_the_beam_goes():
-    state = np.array([0.5, 0.0, 0.0, 0.0, 0.0])
+    state = np.array([0.5, *8 * [0.0]])
     found, _ = pose_model.range_to_wall(Ranger(0.1, 0.0, math.pi / 3), state, 0.0, 1.0)
     assert found == pytest.approx(0.4 / math.cos(math.pi / 3))
 
 
+def test_a_zone_tells_how_far_the_wall_is_along_the_axis_of_its_sensor():
+    """D·cos ψ/(cos ψ + tan az·sin ψ), the wall at D along the axis, which is turned by -ψ."""
+    turned, zone = 0.3, math.radians(2.8125)
+    state = np.array([0.0, 0.0, -turned, *6 * [0.0]])
+    found, _ = pose_model.range_to_wall(Ranger(zone_rad=zone), state, 0.0, 1.0)
+    along = 1.0 / math.cos(turned)
+    known = along * math.cos(turned) / (math.cos(turned) + math.tan(zone) * math.sin(turned))
+    assert found == pytest.approx(known, rel=1e-12)
+    across, _ = pose_model.range_to_wall(Ranger(zone_rad=zone), np.zeros(9), 0.0, 1.0)
+    assert across == pytest.approx(1.0, rel=1e-12)
+
+
 def test_a_motor_speeds_a_robot_up_as_its_closed_form_says():
-    state = np.zeros(5)
+    state = np.zeros(9)
     for _ in range(50):
         state = pose_model.move(ROBOT, state, 0.01, 2.0, 2.0).mean
     push = (2 * 2 * ROBOT.drive - ROBOT.friction_N) / ROBOT.inertia_kg
@@ -129,27 +160,49 @@ def test_the_filter_takes_currents_in_place_of_voltages():
         assert np.array_equal(by_current.best.states[state].values, one.values)
 
 
+#: along the heading: way, speed and what the motors do not explain
+FORWARD = np.ix_((X, SPEED, PUSH), (X, SPEED, PUSH))
+
+
 def test_damping_is_in_the_noise_of_the_motion():
     """Against van Loan's exponential of a block matrix, at λ = 6.7/s and 50 ms."""
-    robot = Robot(0.0325, 0.12, 1.0, 1.0, damping_N_s_m=3.35, speed_noise_m2_s3=0.1)
-    state = np.array([0.0, 0.0, 0.0, 0.1, 0.0])
-    found = pose_model.move(robot, state, 0.05, 0.0, 0.0).noise[np.ix_((X, SPEED), (X, SPEED))]
-    drift, shaken = np.array([[0.0, 1.0], [0.0, -6.7]]), np.diag([0.0, 0.1])
-    block = expm(0.05 * np.block([[-drift, shaken], [np.zeros((2, 2)), drift.T]]))
-    assert found == pytest.approx(block[2:, 2:].T @ block[:2, 2:], rel=1e-10)
-    assert found[1, 1] == pytest.approx(0.00365, rel=2e-3)  # undamped it were 0.005
+    robot = Robot(0.0325, 0.12, 1.0, 1.0, damping_N_s_m=3.35, jerk_density_m2_s5=0.1)
+    state = np.array([0.0, 0.0, 0.0, 0.1, *5 * [0.0]])
+    found = pose_model.move(robot, state, 0.05, 0.0, 0.0).noise[FORWARD]
+    drift = np.array([[0.0, 1.0, 0.0], [0.0, -6.7, 1.0], [0.0, 0.0, 0.0]])
+    block = expm(0.05 * np.block([[-drift, np.diag([0, 0, 0.1])], [np.zeros((3, 3)), drift.T]]))
+    assert found == pytest.approx(block[3:, 3:].T @ block[:3, 3:], rel=1e-9)
 
 
 def test_without_damping_the_noise_is_the_textbooks():
-    robot = Robot(0.0325, 0.12, speed_noise_m2_s3=0.1)
-    found = pose_model.move(robot, np.zeros(5), 0.05, 0.0, 0.0).noise
-    known = 0.1 * np.array([[0.05**3 / 3, 0.05**2 / 2], [0.05**2 / 2, 0.05]])
-    assert found[np.ix_((X, SPEED), (X, SPEED))] == pytest.approx(known, rel=1e-13)
+    robot = Robot(0.0325, 0.12, jerk_density_m2_s5=0.1)
+    t = 0.05
+    found = pose_model.move(robot, np.zeros(9), t, 0.0, 0.0).noise[FORWARD]
+    known = [
+        [t**5 / 20, t**4 / 8, t**3 / 6], [t**4 / 8, t**3 / 3, t**2 / 2], [t**3 / 6, t**2 / 2, t]
+    ]  # fmt: skip
+    assert found == pytest.approx(0.1 * np.array(known), rel=1e-12)
 
 
 def test_friction_alone_moves_nothing():
-    state = pose_model.move(ROBOT, np.zeros(5), 0.01, 0.2, 0.2).mean
-    assert state == pytest.approx(np.zeros(5), abs=0)
+    state = pose_model.move(ROBOT, np.zeros(9), 0.01, 0.2, 0.2).mean
+    assert state == pytest.approx(np.zeros(9), abs=0)
+
+
+def test_a_load_behind_the_axle_pushes_into_the_curve_as_newton_says():
+    """Against DOP853 of the equations in the model's heading, a second in steps of 10 ms."""
+    state = np.array([0.0, 0.0, 0.0, 0.15, 0.5, *4 * [0.0]])
+    inputs = (2.0, 2.2)
+
+    def motion(_, s):
+        grown, _ = pose_model.accelerations(ROBOT, np.append(s, 4 * [0.0]), *inputs)
+        return [s[3] * math.cos(s[2]), s[3] * math.sin(s[2]), s[4], *grown]
+
+    known = solve_ivp(motion, (0, 1), state[:5], "DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
+    for _ in range(100):
+        state = pose_model.move(ROBOT, state, 0.01, *inputs).mean
+    # of second order in the step: 2e-5 of a second, and less than any sensor tells
+    assert state[:5] == pytest.approx(known, abs=2e-4)
 
 
 COUNT, STEP_S = 80, 0.02
@@ -157,7 +210,9 @@ OPTIONS = {
     "radius_m": ROBOT.radius_m, "track_m": ROBOT.track_m, "inertia_kg": ROBOT.inertia_kg,
     "turning_inertia_kg_m2": ROBOT.turning_inertia_kg_m2, "drive_N_V": ROBOT.drive,
     "damping_N_s_m": ROBOT.damping_N_s_m, "friction_N": ROBOT.friction_N,
-    "speed_noise_m2_s3": ROBOT.speed_noise_m2_s3, "turn_noise_rad2_s3": ROBOT.turn_noise_rad2_s3,
+    "load_behind_kg_m": ROBOT.load_behind_kg_m, "jerk_density_m2_s5": ROBOT.jerk_density_m2_s5,
+    "turn_jerk_density_rad2_s5": ROBOT.turn_jerk_density_rad2_s5, "u_push_m_s2": 0.2,
+    "u_turn_rad_s2": 1.0,
     "u_start_m": 0.005, "u_start_heading_rad": 0.02, "u_start_speed_m_s": 0.02,
     "u_start_rate_rad_s": 0.1, "gate": 0.0,
 }  # fmt: skip
@@ -171,26 +226,30 @@ def driven(run, *, spoilt=False, felt=False):
     generator = stream(3, "extended", run)
     time_s = STEP_S * np.arange(COUNT)
     inputs = 2.0 + np.array([np.sin(2 * time_s), np.cos(3 * time_s)]).T
-    names = ("u_start_m", "u_start_m", "u_start_heading_rad", "u_start_speed_m_s")
-    start_u = [OPTIONS[name] for name in names] + [OPTIONS["u_start_rate_rad_s"]]
+    names = ["u_start_m", "u_start_m", "u_start_heading_rad", "u_start_speed_m_s"]
+    names += ["u_start_rate_rad_s", "u_push_m_s2", "u_turn_rad_s2"]
+    start_u = [OPTIONS[name] for name in names]
     # the robot drives already, so that its friction does not change sides
-    state = np.array([0, 0, 0, 0.0, 0]) + start_u * generator.standard_normal(5)
+    state = np.append(start_u * generator.standard_normal(7), [0.0, 0.0])
     state[SPEED] = abs(state[SPEED])
     states, wheels, ranges = [], [], []
     for number in range(COUNT):
         if number:
-            moved = pose_model.move(ROBOT, state, STEP_S, *inputs[number - 1])
-            # of the noise, rank 4 of 5: by its eigenvectors
+            both = inputs[number - 1 : number + 1].mean(axis=0)
+            moved = pose_model.move(ROBOT, state, STEP_S, *both)
+            # of the noise, rank 6 of 9: by its eigenvectors
             values, vectors = np.linalg.eigh(moved.noise)
-            shake = vectors @ (np.sqrt(np.clip(values, 0, None)) * generator.standard_normal(5))
+            shake = vectors @ (np.sqrt(np.clip(values, 0, None)) * generator.standard_normal(9))
             state = moved.mean + shake
         states.append(state)
-        rates, _ = pose_model.wheel_rates(ROBOT, state, 0, 0)
+        rates, _ = pose_model.wheel_rates(ROBOT, state)
         wheels.append(rates + U["wheel"] * generator.standard_normal(2))
         distance, _ = pose_model.range_to_beacon(Ranger(), state, BEACON)
         ranges.append(distance + U["range"] * generator.standard_normal())
     truth, wheels, ranges = np.array(states), np.array(wheels), np.array(ranges)
     gyroscope = truth[:, RATE] + U["gyroscope"] * generator.standard_normal(COUNT)
+    every = zip(truth, inputs, strict=True)
+    grown = np.array([pose_model.accelerations(ROBOT, one, *both)[0][0] for one, both in every])
     if spoilt:
         ranges[40] += 2.0
     signals = {
@@ -204,12 +263,13 @@ def driven(run, *, spoilt=False, felt=False):
         "beacon_y": Signal(time_s, np.full(COUNT, BEACON[1])),
     }
     if felt:
-        # the mean of each step, which the same bumps shake as the speed; the sensor is off the axle
-        mean = np.diff(truth[:, SPEED], prepend=0) / STEP_S - AHEAD_M * truth[:, RATE] ** 2
-        mean += BIAS_M_S2 + U["accelerometer"] * generator.standard_normal(COUNT)
-        signals["acceleration"] = Signal(time_s, mean, U["accelerometer"])
+        # the sensor is off the axle
+        read = grown - AHEAD_M * truth[:, RATE] ** 2
+        read += BIAS_M_S2 + U["accelerometer"] * generator.standard_normal(COUNT)
+        signals["acceleration"] = Signal(time_s, read, U["accelerometer"])
     roles = ("x", "y", "heading", "speed", "rate")
     true = {role: Signal(time_s, truth[:, i]) for i, role in enumerate(roles)}
+    true["acceleration"] = Signal(time_s, grown)
     return Given(signals, true, dict(OPTIONS))
 
 
@@ -220,7 +280,7 @@ def runs():
 
 
 def test_the_extended_filter_is_consistent_on_a_truth_that_it_knows(runs):
-    found = consistency.nees(np.array([one.innovations.nees for one in runs]), 5)
+    found = consistency.nees(np.array([one.innovations.nees for one in runs]), 6)
     assert found.outcome == "consistent", found
     nis = consistency.nis(
         np.array([one.innovations.nis for one in runs]),
@@ -230,14 +290,14 @@ def test_the_extended_filter_is_consistent_on_a_truth_that_it_knows(runs):
 
 
 def test_an_accelerometer_helps_and_the_filter_still_knows_its_error(runs):
-    """Its reading is shaken by the noise of the motion, so the two are correlated."""
+    """What motors do not explain is a state: the motion's noise and the reading are independent."""
     estimator = estimators.load("pose_filter")
     options = {**OPTIONS, "acceleration_bias": 1, "accelerometer_ahead_m": AHEAD_M}
     given = [driven(run, felt=True) for run in range(60)]
     found = [
         estimators.apply(estimator, Given(one.signals, one.truth, options)) for one in given
     ]  # fmt: skip
-    verdict = consistency.nees(np.array([one.innovations.nees for one in found]), 5)
+    verdict = consistency.nees(np.array([one.innovations.nees for one in found]), 6)
     assert verdict.outcome == "consistent", verdict
     felt, unfelt = (
         np.mean([one.best.states["speed_m_s"].rms_error for one in every])
@@ -266,6 +326,46 @@ def test_a_range_that_cannot_be_is_refused():
     found = estimators.apply(estimator, Given(given.signals, given.truth, options))
     assert found.innovations.refused["range"] >= 1
     assert found.best.states["x_m"].rms_error < 0.05
+
+
+def test_a_wheel_that_slips_once_is_counted_anew():
+    """20 mm on ice, far more than a mark: a few counts are refused, and no later ones."""
+    given = driven(0)
+    time_s = np.arange(0.0, 1.58, 0.001)
+    speed, rate = (given.truth[role].at(time_s) for role in ("speed", "rate"))
+    signals = {r: s for r, s in given.signals.items() if r not in ("left_rate", "right_rate")}
+    for side, sign in (("left", -1), ("right", 1)):
+        turned = np.cumsum((speed + sign * 0.06 * rate) * 0.001) / ROBOT.radius_m
+        if side == "left":
+            turned[time_s > 0.8] += 0.02 / ROBOT.radius_m
+        signals[f"{side}_marks"] = Signal(time_s, np.floor(turned * 960 / (2 * np.pi) + 0.3))
+    options = {**OPTIONS, "marks": 960, "gate": 5.0, "gate_s": 0.02}
+    found = estimators.apply(
+        estimators.load("pose_filter"), Given(signals, given.truth, options)
+    )  # fmt: skip
+    assert 1 <= found.innovations.refused["left_marks"] <= 3
+    assert found.innovations.refused["right_marks"] == 0
+    after = found.best.time_s > 0.9
+    speed = found.best.states["speed_m_s"]
+    # half a mark in 20 ms is 5 mm/s; 20 mm taken for a way would have been a metre a second
+    assert np.nanmax(np.abs(speed.error[after])) < 0.02
+
+
+def test_a_true_place_of_a_mark_is_that_of_the_axle_once_the_heading_is_known():
+    given = driven(0)
+    heading = given.truth["heading"].values
+    ahead = {"x": np.cos(heading), "y": np.sin(heading)}
+    moved = {r: Signal(s.time_s, s.values - 0.02 * ahead[r])
+             for r, s in given.truth.items() if r in ahead}  # fmt: skip
+    options = {**OPTIONS, "mark_ahead_m": -0.02}
+    estimator = estimators.load("pose_filter")
+    same = estimators.apply(estimator, Given(given.signals, {**given.truth, **moved}, options))
+    plain = estimators.apply(estimator, given)
+    for state in ("x_m", "y_m"):
+        known = plain.best.states[state].truth
+        assert same.best.states[state].truth == pytest.approx(known, abs=1e-12)
+    with pytest.raises(InputError, match="expected the truth of the heading"):
+        estimators.apply(estimator, Given(given.signals, moved, options))
 
 
 def test_the_usual_gate_refuses_no_right_reading_and_leaves_a_right_filter_right():

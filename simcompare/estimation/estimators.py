@@ -17,6 +17,7 @@ from typing import Protocol
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.estimation.estimate import Estimate, Given
+from simcompare.statistics.streams import stream
 from simcompare.statistics.suspicions import Suspicion
 
 #: each is a module of this room; another one is a word more
@@ -66,6 +67,8 @@ class Option:
         bias_of: signal whose constant error it makes a state where it is 1; empty for none.
         adds_up: signal that it reads as a sum where it is 1, so that the errors of neighbouring
             differences no longer cancel; empty for none.
+        u: option with its standard uncertainty, by which it is off in each draw of a simulation;
+            empty where it is told as it is.
         loosens: whether a larger one lets the motion differ more from its model.
     """
 
@@ -76,6 +79,7 @@ class Option:
     loosens: bool = False
     bias_of: str = ""
     adds_up: str = ""
+    u: str = ""
 
 
 @dataclass(frozen=True)
@@ -114,6 +118,15 @@ class Estimator:
     def sums(self, signals: Collection[str]) -> tuple[str, ...]:
         """Options that read one of these signals as a sum."""
         return tuple(name for name, one in self.options.items() if one.adds_up in signals)
+
+    def as_told(self, options: Mapping[str, float], seed: int) -> dict[str, float]:
+        """The options as one draw is told them: those that are known with a u only, off by it."""
+        every = self.with_defaults(options)
+        return every | {
+            name: every[name] + every[one.u] * float(stream(seed, name).standard_normal())
+            for name, one in self.options.items()
+            if one.u
+        }
 
     def with_defaults(self, options: Mapping[str, float]) -> dict[str, float]:
         """All its options, those that are not said at their defaults."""

@@ -17,7 +17,7 @@ In the extended filter F and H are the derivatives of what the motion and the se
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,6 +158,7 @@ def run(
     expect: Callable[[Array, int], Expected],
     *,
     gate: float | None = None,
+    after_refusal: Callable[[Belief, Array, Array], Belief] | None = None,
 ) -> Filtered:
     """Filters a whole series; the start is the belief at its first instant.
 
@@ -168,6 +169,8 @@ def run(
         expect: what is read there, ``expect(mean, number)``.
         gate: a reading whose innovation is larger than this many of its standard uncertainties
             is refused; none where ``None``.
+        after_refusal: what a refused reading undoes of the belief, ``after_refusal(belief, reading,
+            refused)``.
 
     Raises:
         InputError: a covariance that is singular, or a state that is no number any more.
@@ -179,8 +182,11 @@ def run(
         if number:
             motion = move(belief.mean, number)
             belief = predict(belief, motion)
-        steps.append(_step(belief, motion, reading, expect(belief.mean, number), gate))
-        belief = steps[-1].after
+        step = _step(belief, motion, reading, expect(belief.mean, number), gate)
+        if after_refusal is not None and step.refused.any():
+            step = replace(step, after=after_refusal(step.after, reading, step.refused))
+        steps.append(step)
+        belief = step.after
         if not np.all(np.isfinite(belief.mean)):
             text = f"the filter has diverged: its state is no number from measurement {number + 1}"
             cure = "expected shorter steps, or a model that is nearer to the motion"

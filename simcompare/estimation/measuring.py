@@ -28,6 +28,8 @@ from simcompare.statistics.streams import stream
 
 #: signals whose samples belong to another time than positions, in some engines
 _VELOCITIES = ("velocity_m_s", "rate_rad_s")
+#: of a device; what has more components is a range sensor of many zones
+_MOST_AXES = 3
 
 
 def given_of(
@@ -82,17 +84,30 @@ def devices_of(scenario: Scenario, plan: EstimatePlan, seed: int) -> dict[str, D
     used = {observed(name, scenario).signal for name in plan.signals.values()}
     found = {}
     for owner, errors in {**scenario.sensor_errors(), **plan.sensors}.items():
-        own = {name: signals[name] for name in used if name.partition(".")[0] == owner}
+        # of many zones, one is read
+        own = {
+            name: 1 if signals[name] > _MOST_AXES else signals[name]
+            for name in used
+            if name.partition(".")[0] == owner
+        }
         if own:
             found.update({one.signal: one.device for one in drawn(errors, own, seed)})
     return found
 
 
-def noise_of(device: Device, component: int, rate_Hz: float) -> float:
-    """Standard uncertainty of one reading at that rate by noise and rounding, along one axis."""
+def noise_of(device: Device, component: int, rate_Hz: float, size: float = 0.0) -> float:
+    """Standard uncertainty of one reading at that rate by noise and rounding, along one axis.
+
+    Args:
+        device: what reads.
+        component: its axis.
+        rate_Hz: readings in a second.
+        size: rms of the readings, of noise that grows with them.
+    """
     width = noise_bandwidth(device.bandwidth_Hz, device.poles, rate_Hz)
     white = device.noise_density[component] * math.sqrt(width)
-    return float(math.hypot(white, device.resolution / math.sqrt(12)))
+    grown = device.noise_per_reading[component] * size
+    return float(math.hypot(white, grown, device.resolution / math.sqrt(12)))
 
 
 def _measured(
@@ -106,13 +121,16 @@ def _measured(
     device = devices.get(what.signal)
     if device is not None:
         ideal = _values(trajectory, what.signal)
+        if ideal.ndim > 1 and ideal.shape[1] > _MOST_AXES:
+            ideal, what = ideal[:, what.component], replace(what, component=0)
         noise = stream(seed, what.owner, what.part, "noise")
         held = sensor is not None and sensor.type == "encoder"
         reading = measured(device, trajectory.time_s, ideal, noise, held=held)
         values = _component(reading.measured, what)
+        sizes = np.sqrt(np.mean(np.square(reading.measured.reshape(len(values), -1)), axis=0))
         axes = range(device.axes) if what.component is None else [what.component]
         rate_Hz = device.rate_Hz or mean_rate(trajectory.time_s)
-        u = np.array([noise_of(device, axis, rate_Hz) for axis in axes])
+        u = np.array([noise_of(device, axis, rate_Hz, float(sizes[axis])) for axis in axes])
         return Signal(reading.time_s, values, u if what.component is None else float(u[0]))
     if sensor is not None and sensor.type == "encoder":
         return Signal(trajectory.time_s, _counts(scenario, what.owner, trajectory, seed))

@@ -45,6 +45,8 @@ class Observed:
 def observed(name: str, scenario: Scenario) -> Observed:
     """What a name stands for: ``speed_m_s``, ``imu.rate_rad_s`` or ``imu.rate_rad_s.z``.
 
+    One of the many zones of a range sensor is told by its number, ``range.range_m.27``, from 0 on.
+
     Raises:
         UnknownName: no probe and no signal is called so.
     """
@@ -58,6 +60,8 @@ def observed(name: str, scenario: Scenario) -> Observed:
         unit = units.unit_of(name.partition(".")[2])
         return Observed(name, None, 0.0, signals[name], unit)
     letters = _LETTERS.get(signals.get(whole, 1), "")
+    if letter.isdecimal() and int(letter) < signals.get(whole, 1):
+        return Observed(whole, int(letter), 0.0, 1, units.unit_of(whole.partition(".")[2]))
     if len(letter) == 1 and letter in letters:
         unit = units.unit_of(whole.partition(".")[2])
         return Observed(whole, letters.index(letter), 0.0, 1, unit)

@@ -1,12 +1,16 @@
-"""A robot on two driven wheels as a filter sees it: five states, their motion, what sensors read.
+"""A robot on two driven wheels as a filter sees it: its states, their motion, what sensors read.
 
-The states are the place x, y of the middle of the axle, the heading θ, the speed v along it and the
-turning rate ω. Two motors give the forward force and the turning moment; both are braked in
-proportion to the speed, so that with λ = damping/inertia
+The states are the place x, y of the middle of the axle, the heading θ, the speed v along it, the
+turning rate ω, and the accelerations p and q that the motors do not explain: friction that is not
+as told, a motor that is weaker, a slope. Two motors give the forward force and the turning moment;
+both are braked in proportion to the speed. With λ = damping/inertia
 
-    dx/dt = v·cos θ    dy/dt = v·sin θ    dθ/dt = ω    dv/dt = g - λ·v    dω/dt = h - λ'·ω
+    dx/dt = v·cos θ    dy/dt = v·sin θ    dθ/dt = ω
+    dv/dt = g - λ·v + p - κ·ω²            dω/dt = h - λ'·ω + q + κ'·v·ω
 
-What the motors do not say, such as a bump or slip, is white noise of the two accelerations.
+What changes p and q is white jerk. κ and κ' are those of a load behind the axle, which pushes a
+robot further into its curve (Newton and Euler in the plane, for wheels that roll). Two more states
+are the ways that the wheels have rolled, v - ω·W/2 and v + ω·W/2 summed up.
 """
 
 from __future__ import annotations
@@ -20,9 +24,13 @@ from simcompare.estimation.kalman import Motion
 from simcompare.model.trajectory import Array
 
 #: places of the states
-X, Y, HEADING, SPEED, RATE = range(5)
-#: a robot that is slower rests [m/s]
-_RESTS_M_S = 1e-6
+X, Y, HEADING, SPEED, RATE, PUSH, TURN, LEFT, RIGHT = range(9)
+#: how many there are
+STATES = 9
+#: of a robot that is slower no sensor tells which way it goes: friction is against the motors [m/s]
+_RESTS_M_S = 0.01
+#: λ·T below which a motion is not damped
+_UNDAMPED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -33,12 +41,13 @@ class Robot:
         radius_m: of the wheels.
         track_m: distance of the wheels.
         inertia_kg: M_e, the mass with what wheels and rotors add.
-        turning_inertia_kg_m2: I_e, the same about the vertical.
+        turning_inertia_kg_m2: I_e, the same about the vertical through the middle of the axle.
         drive: force of one motor for one unit of its input (N/V or N/A).
         damping_N_s_m: β of one motor, F = drive·input - β·v.
         friction_N: what rolling and the motors' friction take from the forward force.
-        speed_noise_m2_s3: density of what the motors do not say of dv/dt.
-        turn_noise_rad2_s3: the same of dω/dt.
+        load_behind_kg_m: mass times how far its centre lies behind the axle.
+        jerk_density_m2_s5: density of what changes p.
+        turn_jerk_density_rad2_s5: the same of q.
     """
 
     radius_m: float
@@ -48,8 +57,9 @@ class Robot:
     drive: float = 0.0
     damping_N_s_m: float = 0.0
     friction_N: float = 0.0
-    speed_noise_m2_s3: float = 0.0
-    turn_noise_rad2_s3: float = 0.0
+    load_behind_kg_m: float = 0.0
+    jerk_density_m2_s5: float = 0.0
+    turn_jerk_density_rad2_s5: float = 0.0
 
     @property
     def decay_1_s(self) -> float:
@@ -73,36 +83,46 @@ class Robot:
         return self.drive * (right - left) * self.track_m / 2 / self.turning_inertia_kg_m2
 
 
+def accelerations(robot: Robot, mean: Array, left: float, right: float) -> tuple[Array, Array]:
+    """dv/dt and dω/dt (2,) at given inputs, and their derivatives (2, 9)."""
+    speed, rate = mean[SPEED], mean[RATE]
+    back = robot.load_behind_kg_m / robot.inertia_kg
+    turned = robot.load_behind_kg_m / robot.turning_inertia_kg_m2
+    forward = robot.push_m_s2(speed, left, right) - robot.decay_1_s * speed - back * rate**2
+    turning = robot.turn_rad_s2(left, right) - robot.turn_decay_1_s * rate + turned * speed * rate
+    slopes = np.zeros((2, STATES))
+    slopes[0, [SPEED, RATE, PUSH]] = -robot.decay_1_s, -2 * back * rate, 1.0
+    slopes[1, [SPEED, RATE, TURN]] = turned * rate, turned * speed - robot.turn_decay_1_s, 1.0
+    return np.array([forward + mean[PUSH], turning + mean[TURN]]), slopes
+
+
 def move(robot: Robot, mean: Array, step_s: float, left: float, right: float) -> Motion:
-    """The motion of one step under inputs that are held."""
-    speed, kept = _decayed(
-        mean[SPEED], robot.decay_1_s, robot.push_m_s2(mean[SPEED], left, right), step_s
-    )
-    rate, turn_kept = _decayed(
-        mean[RATE], robot.turn_decay_1_s, robot.turn_rad_s2(left, right), step_s
-    )
+    """The motion of one step under inputs that are held, and a load behind that pushes evenly."""
+    now, slopes = accelerations(robot, mean, left, right)
+    one = np.eye(STATES)
+    speeds, rows = mean[[SPEED, RATE]].copy(), one[[SPEED, RATE]]
+    for i, decay in enumerate((robot.decay_1_s, robot.turn_decay_1_s)):
+        # an acceleration that decays with the speed that it gains: ∫exp(-λ·t)
+        lasts_s = step_s if decay * step_s < _UNDAMPED else -math.expm1(-decay * step_s) / decay
+        speeds[i] += lasts_s * now[i]
+        rows[i] = rows[i] + lasts_s * slopes[i]
     # mean speed of the step, along the heading in its middle
-    middle = mean[HEADING] + step_s * (3 * mean[RATE] + rate) / 8
-    way = step_s * (mean[SPEED] + speed) / 2
+    middle = mean[HEADING] + step_s * (3 * mean[RATE] + speeds[1]) / 8
+    way, turned = step_s * (mean[SPEED] + speeds[0]) / 2, step_s * (mean[RATE] + speeds[1]) / 2
+    middle_row = one[HEADING] + step_s * (3 * one[RATE] + rows[1]) / 8
+    way_row, turned_row = step_s * (one[SPEED] + rows[0]) / 2, step_s * (one[RATE] + rows[1]) / 2
     along = np.array([math.cos(middle), math.sin(middle)])
     aside = np.array([-along[1], along[0]])
-    after = np.array(
-        [*(mean[:2] + way * along), mean[HEADING] + step_s * (mean[RATE] + rate) / 2, speed, rate]
-    )
-    transition = np.eye(5)
-    transition[:2, HEADING] = way * aside
-    transition[:2, SPEED] = step_s * (1 + kept) / 2 * along
-    transition[:2, RATE] = way * aside * step_s * (3 + turn_kept) / 8
-    transition[HEADING, RATE] = step_s * (1 + turn_kept) / 2
-    transition[SPEED, SPEED], transition[RATE, RATE] = kept, turn_kept
+    side = np.array([-1.0, 1.0]) * robot.track_m / 2
+    after, transition = mean.copy(), one.copy()
+    after[[X, Y]] += way * along
+    transition[[X, Y]] += np.outer(along, way_row) + way * np.outer(aside, middle_row)
+    after[HEADING] += turned
+    transition[HEADING] += turned_row
+    after[[SPEED, RATE]], transition[[SPEED, RATE]] = speeds, rows
+    after[[LEFT, RIGHT]] += way + side * turned
+    transition[[LEFT, RIGHT]] += way_row + np.outer(side, turned_row)
     return Motion(after, transition, _noise(robot, step_s, along))
-
-
-def _decayed(value: float, decay: float, push: float, step_s: float) -> tuple[float, float]:
-    """A rate after a step of dv/dt = push - decay·v, and which part of it was kept."""
-    kept = math.exp(-decay * step_s)
-    gained = push * (step_s if decay == 0 else -math.expm1(-decay * step_s) / decay)
-    return value * kept + gained, kept
 
 
 #: places and weights between 0 and 1 at which integrals over a step are taken (Gauss and Legendre)
@@ -111,43 +131,39 @@ _PLACES = _PLACES + 0.5
 
 
 def _noise(robot: Robot, step_s: float, along: Array) -> Array:
-    """Q of white accelerations, along the heading and about the vertical."""
-    forward, turning = np.zeros((5, 2)), np.zeros((5, 2))
-    forward[:2, 0], forward[SPEED, 1] = along, 1.0
-    turning[HEADING, 0], turning[RATE, 1] = 1.0, 1.0
-    shaken = robot.speed_noise_m2_s3 * _shaken(robot.decay_1_s, step_s)
-    turned = robot.turn_noise_rad2_s3 * _shaken(robot.turn_decay_1_s, step_s)
+    """Q of white jerk, along the heading and about the vertical."""
+    forward, turning = np.zeros((STATES, 3)), np.zeros((STATES, 3))
+    forward[[X, Y], 0], forward[[LEFT, RIGHT], 0] = along, 1.0
+    forward[SPEED, 1] = forward[PUSH, 2] = 1.0
+    turning[HEADING, 0] = turning[RATE, 1] = turning[TURN, 2] = 1.0
+    turning[[LEFT, RIGHT], 0] = np.array([-1.0, 1.0]) * robot.track_m / 2
+    shaken = robot.jerk_density_m2_s5 * _shaken(robot.decay_1_s, step_s)
+    turned = robot.turn_jerk_density_rad2_s5 * _shaken(robot.turn_decay_1_s, step_s)
     return np.asarray(forward @ shaken @ forward.T + turning @ turned @ turning.T)
 
 
 def _shaken(decay: float, step_s: float) -> Array:
-    """Covariance (2, 2) of way and speed after a step of white acceleration of density 1.
+    """Covariance (3, 3) of way, speed and push after a step of white jerk of density 1.
 
-    A jolt τ before the end has left exp(-λτ) of its speed, and a way of (1 - exp(-λτ))/λ; Q is the
-    integral of their products. Undamped it is t³/3, t²/2, t.
+    A jolt τ before the end has left a push of 1, a speed of (1 - exp(-λτ))/λ, and as a way the sum
+    of that; Q is the integral of their products. Undamped these are 1, τ, τ²/2.
     """
     ago_s = step_s * _PLACES
-    way = ago_s if decay == 0 else -np.expm1(-decay * ago_s) / decay
-    left = np.array([way, np.exp(-decay * ago_s)])
+    if decay * step_s < _UNDAMPED:
+        speed, way = ago_s, ago_s**2 / 2
+    else:
+        speed = -np.expm1(-decay * ago_s) / decay
+        way = (ago_s - speed) / decay
+    left = np.array([way, speed, np.ones_like(ago_s)])
     return np.asarray(step_s * (left * _WEIGHTS) @ left.T)
 
 
-def wheel_rates(
-    robot: Robot, mean: Array, left: float, right: float, gate_s: float = 0.0
-) -> tuple[Array, Array]:
-    """Rates of the left and the right wheel (2,) and their derivatives (2, 5).
-
-    Counted in a gate they are means over it, half a gate old.
-    """
-    half_s = gate_s / 2
-    push = robot.push_m_s2(mean[SPEED], left, right)
-    turn = robot.turn_rad_s2(left, right)
-    grown, turn_grown = 1 + half_s * robot.decay_1_s, 1 + half_s * robot.turn_decay_1_s
-    speed, rate = mean[SPEED] * grown - half_s * push, mean[RATE] * turn_grown - half_s * turn
-    side = np.array([-1.0, 1.0]) * robot.track_m / 2
-    slopes = np.zeros((2, 5))
-    slopes[:, SPEED], slopes[:, RATE] = grown, side * turn_grown
-    return (speed + side * rate) / robot.radius_m, slopes / robot.radius_m
+def wheel_rates(robot: Robot, mean: Array) -> tuple[Array, Array]:
+    """Rates of the left and the right wheel (2,) and their derivatives (2, 9)."""
+    slopes = np.zeros((2, STATES))
+    slopes[:, SPEED] = 1 / robot.radius_m
+    slopes[:, RATE] = np.array([-1.0, 1.0]) * robot.track_m / 2 / robot.radius_m
+    return slopes @ mean[:STATES], slopes
 
 
 @dataclass(frozen=True)
@@ -156,12 +172,14 @@ class Ranger:
 
     Attributes:
         ahead_m: its place ahead of the axle. left_m: to the left of the middle.
-        beam_rad: direction of its beam, from ahead to the left.
+        beam_rad: where it looks, from ahead to the left.
+        zone_rad: where its beam goes from there, to the left; told is how far along the first.
     """
 
     ahead_m: float = 0.0
     left_m: float = 0.0
     beam_rad: float = 0.0
+    zone_rad: float = 0.0
 
     def place(self, mean: Array) -> tuple[Array, Array]:
         """Where it is (2,), and the derivative of that after the heading (2,)."""
@@ -171,11 +189,11 @@ class Ranger:
 
 
 def range_to_beacon(ranger: Ranger, mean: Array, beacon_m: Array) -> tuple[float, Array]:
-    """Distance to a beacon, and its derivatives (5,)."""
+    """Distance to a beacon, and its derivatives (9,)."""
     place, turned = ranger.place(mean)
     away = place - beacon_m
     distance = float(np.hypot(*away)) or 1e-12
-    slopes = np.zeros(5)
+    slopes = np.zeros(STATES)
     slopes[:2] = away / distance
     slopes[HEADING] = slopes[:2] @ turned
     return distance, slopes
@@ -184,7 +202,7 @@ def range_to_beacon(ranger: Ranger, mean: Array, beacon_m: Array) -> tuple[float
 def range_to_wall(
     ranger: Ranger, mean: Array, normal_rad: float, wall_m: float
 ) -> tuple[float, Array]:
-    """Distance along the beam to the wall n·p = d, and its derivatives (5,).
+    """What is told of the beam's end on the wall n·p = d, and its derivatives (9,).
 
     Args:
         ranger: the sensor.
@@ -194,14 +212,15 @@ def range_to_wall(
     """
     place, turned = ranger.place(mean)
     normal = np.array([math.cos(normal_rad), math.sin(normal_rad)])
-    angle = mean[HEADING] + ranger.beam_rad
+    angle = mean[HEADING] + ranger.beam_rad + ranger.zone_rad
     beam, aside = (
         np.array([math.cos(angle), math.sin(angle)]),
         np.array([-math.sin(angle), math.cos(angle)]),
     )
     towards = float(normal @ beam) or 1e-12
     distance = (wall_m - float(normal @ place)) / towards
-    slopes = np.zeros(5)
+    slopes = np.zeros(STATES)
     slopes[:2] = -normal / towards
     slopes[HEADING] = -(normal @ turned) / towards - distance * (normal @ aside) / towards
-    return distance, slopes
+    told = math.cos(ranger.zone_rad)
+    return told * distance, told * slopes

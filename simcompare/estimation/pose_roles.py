@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 from simcompare.estimation.estimators import FAR, Option, Role
 
 TITLE = "Pose of a robot on two wheels"
@@ -36,9 +38,13 @@ SIGNALS = {
     "wall_range": Role("range to the wall", "m", needed=False),
 }
 TRUTHS = {
+    # of a mark on the robot, which may lie ahead of the middle of the axle
     **PLACE,
     "speed": Role("speed along the heading", "m/s", needed=False),
     "rate": Role("turning rate", "rad/s", needed=False),
+    "acceleration": Role("acceleration along the heading", "m/s**2", needed=False),
+    "turn_acceleration": Role("angular acceleration", "rad/s**2", needed=False),
+    "velocity": Role("velocity of the mark, in place of the speed", "m/s", 3, needed=False),
 }
 OPTIONS = {
     "radius_m": Option("radius of the wheels", least=1e-3),
@@ -52,31 +58,70 @@ OPTIONS = {
     "drive_N_A": Option("force of one motor for an ampere", 0.0),
     "current_damping_N_s_m": Option("what one motor brakes at a given current", 0.0),
     "friction_N": Option("friction of rolling and motors", 0.0),
-    "speed_noise_m2_s3": Option("density of unknown accelerations", 0.1, 1e-12, loosens=True),
-    "turn_noise_rad2_s3": Option(
-        "density of unknown angular accelerations", 1.0, 1e-12, loosens=True
+    "load_behind_kg_m": Option("mass, times how far its centre lies behind the axle", 0.0, -FAR),
+    "jerk_density_m2_s5": Option(
+        "density of what changes unknown accelerations", 1.0, 1e-12, loosens=True
     ),
-    **START,
+    "turn_jerk_density_rad2_s5": Option(
+        "density of what changes unknown angular accelerations", 10.0, 1e-12, loosens=True
+    ),
+    **{
+        name: replace(one, u="u_start_heading_rad" if "heading" in name else "u_start_m")
+        for name, one in START.items()
+    },
     "u_start_m": Option("standard uncertainty of that place", 0.001, 1e-9),
     "u_start_heading_rad": Option("standard uncertainty of that heading", 0.001, 1e-9),
     "u_start_speed_m_s": Option("standard uncertainty of the speed there", 0.1, 1e-9),
     "u_start_rate_rad_s": Option("standard uncertainty of the rate there", 0.1, 1e-9),
+    "u_push_m_s2": Option("the same of unknown accelerations there", 1.0, 1e-9),
+    "u_turn_rad_s2": Option("the same of unknown angular accelerations", 10.0, 1e-9),
     "ranger_ahead_m": Option("place of the range sensor ahead of the axle", 0.0, -FAR),
     "ranger_left_m": Option("its place to the left", 0.0, -FAR),
-    "beam_rad": Option("direction of its beam", 0.0, -FAR),
+    "beam_rad": Option("where it looks, from ahead to the left", 0.0, -FAR),
+    "zone_rad": Option("where its beam goes from there; told is how far along", 0.0, -1.5, 1.5),
     "wall_normal_rad": Option("direction from the origin to the wall", 0.0, -FAR),
     "wall_m": Option("distance of the wall from the origin", 0.0, -FAR),
+    "mark_ahead_m": Option("how far ahead of the axle the true place was taken", 0.0, -FAR),
+    "truth_over_s": Option(
+        "accelerations are judged by changes of the true speed and rate over this time; 0: not so",
+        0.0,
+    ),
+    "imu_late_s": Option("by how much accelerometer and gyroscope are late", 0.0, 0.0, 1.0),
     "bias": Option("1: the gyroscope's bias is a state", 0.0, 0.0, 1.0, bias_of="turning_rate"),
     "u_bias_rad_s": Option("standard uncertainty of the bias at the start", 0.35, 1e-9),
+    "scale": Option(
+        "1: the part by which the gyroscope reads too much is a state",
+        0.0,
+        0.0,
+        1.0,
+        bias_of="turning_rate",
+    ),
+    "u_scale": Option("standard uncertainty of that part at the start", 0.03, 1e-9),
     "acceleration_bias": Option(
         "1: the accelerometer's bias is a state", 0.0, 0.0, 1.0, bias_of="acceleration"
     ),
     "u_acceleration_bias_m_s2": Option("standard uncertainty of it at the start", 0.5, 1e-9),
+    "acceleration_scale": Option(
+        "1: the part by which the accelerometer reads too much is a state",
+        0.0,
+        0.0,
+        1.0,
+        bias_of="acceleration",
+    ),
+    "u_acceleration_scale": Option("standard uncertainty of that part at the start", 0.03, 1e-9),
     "accelerometer_ahead_m": Option("place of the accelerometer ahead of the axle", 0.0, -FAR),
     "range_bias": Option(
         "1: what all ranges read too long is a state", 0.0, 0.0, 1.0, bias_of="range"
     ),
     "u_range_bias_m": Option("standard uncertainty of that at the start", 0.1, 1e-9),
+    "wall_scale": Option(
+        "1: the part by which ranges to the wall are too long is a state",
+        0.0,
+        0.0,
+        1.0,
+        bias_of="wall_range",
+    ),
+    "u_wall_scale": Option("standard uncertainty of that part at the start", 0.03, 1e-9),
     # 5: one right reading in 1.7 million. √χ²₀.₉₉ = 2.576 refuses one in a hundred; what is left of
     # a right filter's NIS is then 0.925 of what it should be, and the filter is too sure
     "gate": Option(
@@ -89,7 +134,44 @@ LABELS = {
     "heading_rad": "Heading",
     "speed_m_s": "Speed",
     "rate_rad_s": "Turning rate",
+    "acceleration_m_s2": "Acceleration",
+    "turn_acceleration_rad_s2": "Angular acceleration",
     "bias_rad_s": "Bias of the gyroscope",
+    "gyroscope_scale": "Scale error of the gyroscope",
     "acceleration_bias_m_s2": "Bias of the accelerometer",
+    "accelerometer_scale": "Scale error of the accelerometer",
     "range_bias_m": "Bias of the ranges",
+    "wall_range_scale": "Scale error of the range to the wall",
+}
+
+
+@dataclass(frozen=True)
+class Error:
+    """An error of a sensor that stays, and can be a state.
+
+    Attributes:
+        option: that makes it one.
+        role: of the reading that has it.
+        u: option with its standard uncertainty at the start.
+        scales: whether it is a part of the reading, and not a constant.
+    """
+
+    option: str
+    role: str
+    u: str
+    scales: bool = False
+
+
+#: in the order of their labels
+ERRORS = {
+    "bias_rad_s": Error("bias", "turning_rate", "u_bias_rad_s"),
+    "gyroscope_scale": Error("scale", "turning_rate", "u_scale", scales=True),
+    "acceleration_bias_m_s2": Error(
+        "acceleration_bias", "acceleration", "u_acceleration_bias_m_s2"
+    ),
+    "accelerometer_scale": Error(
+        "acceleration_scale", "acceleration", "u_acceleration_scale", scales=True
+    ),
+    "range_bias_m": Error("range_bias", "range", "u_range_bias_m"),
+    "wall_range_scale": Error("wall_scale", "wall_range", "u_wall_scale", scales=True),
 }

@@ -48,6 +48,21 @@ def counted(counts: Signal, marks: float, gate_s: float) -> Signal:
     return Signal(ends[1:], rates, gate_uncertainty(int(marks), gate_s))
 
 
+def turned(counts: Signal, marks: float, gate_s: float) -> Signal:
+    """Angle of a wheel since the first count, at the ends of gates [rad].
+
+    Each is off by what lies before and behind a mark, evenly, and so has an error of its own.
+
+    Raises:
+        InputError: the marks of a turn are not known, or no two gates fit in.
+    """
+    ends = counted(counts, marks, gate_s).time_s
+    time_s = np.concatenate(([counts.time_s[0]], ends))
+    mark_rad = 2 * np.pi / marks
+    counts_there = held(counts, time_s)
+    return Signal(time_s, mark_rad * (counts_there - counts_there[0]), mark_rad / np.sqrt(12))
+
+
 def held(counts: Signal, time_s: Array) -> Array:
     """What a counter shows, which holds its number until the next mark (n,)."""
     place = np.searchsorted(counts.time_s, time_s + SAME_S, side="right") - 1

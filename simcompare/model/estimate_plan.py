@@ -20,7 +20,8 @@ class EstimatePlan(Frozen):
             ``imu.specific_force_m_s2.x``.
         truth: role -> what it is judged by, named alike; an orientation stands for its heading.
         options: numbers of the estimator.
-        sensors: sensor -> data sheet, or own errors, that it has where the user names none.
+        sensors: sensor, or actuator of which something is measured -> data sheet, or own errors,
+            that it has where the user names none.
         start_s: from when on it is measured [s].
     """
 

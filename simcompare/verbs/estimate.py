@@ -184,6 +184,7 @@ def _of_engine(asked: _Asked, outcome: Outcome) -> SourceEstimate:
     seeds = _seeds(asked.draws, asked.seed)
     for seed, devices in zip(seeds, asked.devices, strict=True):
         given = measuring.given_of(asked.scenario, asked.plan, outcome.trajectory, devices, seed)
+        given = replace(given, options=asked.estimator.as_told(given.options, seed))
         draws.append(estimators.apply(asked.estimator, given))
     found = estimating.of_source(name, version, draws)
     ideal = measuring.given_of(asked.scenario, asked.plan, outcome.trajectory, {}, asked.seed)

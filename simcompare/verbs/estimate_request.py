@@ -127,7 +127,7 @@ def with_sheets(plan: EstimatePlan, sheets: Mapping[str, str], scenario: Scenari
         InputError: every sensor that is not used, and every sheet that does not exist.
     """
     used = {observed(name, scenario).owner for name in plan.signals.values()}
-    known = [name for name in scenario.sensors if name in used]
+    known = [name for name in (*scenario.sensors, *scenario.actuators) if name in used]
     faults, chosen = [], dict(plan.sensors)
     for sensor, sheet in sheets.items():
         if sensor not in known:
