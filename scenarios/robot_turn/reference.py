@@ -42,8 +42,23 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
         parameters: those of the scenario, SI.
         time_s: times from the start on (n,) [s].
     """
-    x, y, heading, speed, yaw_rate, left, right = integrated(parameters, time_s)
-    count, r = len(time_s), parameters["wheel_radius_m"]
+    motion = integrated(parameters, time_s)
+    signals = signals_of(parameters, motion)
+    for side in ("left", "right"):
+        torque = np.full(len(time_s), parameters[f"{side}_torque_N_m"])
+        signals[f"{side}_motor.torque_N_m"] = torque
+    return {**signals, **_loads(parameters, motion[3], motion[4])}
+
+
+def signals_of(parameters: Mapping[str, float], motion: Array) -> dict[str, Array]:
+    """Motion of the three bodies and angles of both wheels.
+
+    Args:
+        parameters: those of the scenario, SI.
+        motion: x, y, heading, speed, yaw rate and the angles of both wheels (7, n).
+    """
+    x, y, heading, speed, yaw_rate, left, right = motion
+    count, r = len(x), parameters["wheel_radius_m"]
     zero, vehicle = np.zeros(count), Vehicle(x, y, heading, speed, yaw_rate)
     behind_m, height_m = parameters["center_behind_m"], parameters["center_height_m"]
     signals = vehicle.body("chassis", -behind_m, 0.0, height_m)
@@ -56,8 +71,7 @@ def reference(parameters: Mapping[str, float], time_s: Array) -> dict[str, Array
         signals[f"{wheel}.orientation_wxyz"] = multiply(vehicle.orientation_wxyz, rolled)
         signals[f"{wheel}.rate_rad_s"] += rate[:, None] * vehicle.aside
         signals[f"{side}.angle_rad"], signals[f"{side}.rate_rad_s"] = angle, rate
-        signals[f"{side}_motor.torque_N_m"] = np.full(count, parameters[f"{side}_torque_N_m"])
-    return {**signals, **_loads(parameters, speed, yaw_rate)}
+    return signals
 
 
 def _loads(p: Mapping[str, float], speed: Array, yaw_rate: Array) -> dict[str, Array]:
