@@ -163,6 +163,11 @@ def test_a_published_ball_is_held_against_and_fitted(page: Page, address: str) -
     assert page.ask(
         f"() => document.querySelector('{details} input[type=number]').valueAsNumber"
     ) == (pytest.approx((1.41 / 2.54) ** 0.5, abs=0.002))
+    # one that cannot be fitted is told beside the button
+    page.put("#published", "jena_2021_table_tennis")
+    page.click("#fit-for-me")
+    page.until("() => document.querySelector('#hand-result').innerText.includes('needs one of')")
+    page.put("#published", "itf_tennis_rebound")
     page.click("#expert")
     # who lets it fall from elsewhere is not held against it
     page.put("#parameters input[type=number]", "1")

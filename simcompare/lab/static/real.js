@@ -34,16 +34,20 @@ export class Real {
     byId("file").addEventListener("change", () => byId("file").files.length && this.try(() => this.file(byId("file").files[0])));
     byId("own").addEventListener("change", () => byId("own").value && this.try(() => this.again(byId("own").value)));
     byId("fit-for-me").addEventListener("click", () => this.fitForMe());
-    byId("fit").addEventListener("click", () => this.try(() => this.fit()));
+    byId("fit").addEventListener("click", () => this.try(() => this.fit(), byId("fit")));
   }
-  async try(work) {
-    say(byId("real-faults"), []);
+  /** Does something; a button waits until it is done, and what goes wrong stands in a box. */
+  async try(work, button = {}, box = byId("real-faults")) {
+    say(box, []);
+    button.disabled = true;
     try {
       await work();
     } catch (error) {
       if (!(error instanceof Refused)) console.error(error);
       this.state("");
-      say(byId("real-faults"), error.faults ?? [words("page.broken", { reason: error.message })]);
+      say(box, error.faults ?? [words("page.broken", { reason: error.message })]);
+    } finally {
+      button.disabled = false;
     }
   }
   state(text) { byId("real-state").textContent = text; }
@@ -172,30 +176,25 @@ export class Real {
   home(kind, asked) {
     const button = make("button", { type: "button", textContent: words(`real.make_${kind}`) });
     button.addEventListener("click", () => this.try(async () => {
-      button.disabled = true;
-      try {
-        const { files, missing = [] } = await job(asked);
-        byId("files").append(...links(asked.group, files), ...missing.map((textContent) => make("li", { textContent })));
-        document.dispatchEvent(new Event("stored"));
-      } finally {
-        button.disabled = false;
-      }
-    }));
+      const { files, missing = [] } = await job(asked);
+      byId("files").append(...links(asked.group, files), ...missing.map((textContent) => make("li", { textContent })));
+      document.dispatchEvent(new Event("stored"));
+    }, button));
     return button;
   }
   /** Fits to the recording, and tells how far the student's hand was. */
   fitForMe() {
     const box = byId("hand-result");
     const published = this.drop.published.chosen;
-    if (!this.recording && !published) box.replaceChildren(words("hand.no_recording"));
-    else if (!Object.keys(this.drop.choices.contact).length) box.replaceChildren(words("hand.no_hand"));
+    if (!this.recording && !published) say(box, [words("hand.no_recording")]);
+    else if (!Object.keys(this.drop.choices.contact).length) say(box, [words("hand.no_hand")]);
     else this.try(async () => {
-      box.replaceChildren(words("real.fitting"));
+      say(box, [words("real.fitting")]);
       const result = await this.fit(published);
       box.replaceChildren(...studentTable(result));
       say(byId("drop-faults"), result.missing ?? []);
       result.engines.forEach((one) => this.drop.choices.takeOver(one.name, one.values));
-    });
+    }, byId("fit-for-me"), box);
   }
   /** The recordings that the group has already. */
   offer(recordings) {
