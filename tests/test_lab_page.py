@@ -390,7 +390,7 @@ def test_a_microphone_that_is_not_allowed_is_told_with_a_way_out(
 def test_a_page_without_a_microphone_says_what_to_do(page: Page, address: str) -> None:
     """As on plain http of another machine, where browsers have none to give."""
     _begin(page, address)
-    page.ask("() => Object.defineProperty(navigator, 'mediaDevices', {value: undefined})")
+    page.ask("() => { Object.defineProperty(navigator, 'mediaDevices', {value: undefined}); }")
     page.click("#record")
     page.until("() => !document.querySelector('#real-faults').hidden")
     assert "only to a secure page" in page.text("#real-faults")
