@@ -60,13 +60,20 @@ export class Recorder {
     Object.assign(this, { level, told, began, blocks: [], lost: 0 });
   }
   async start() {
-    this.stream = await open();
-    this.context = new AudioContext({ latencyHint: "playback" });
-    await this.context.resume();
-    await this.context.audioWorklet.addModule("/static/samples.js");
-    const rate_hz = this.context.sampleRate, [track] = this.stream.getAudioTracks();
+    const stream = await open(), context = new AudioContext({ latencyHint: "playback" });
+    try {
+      return await this.listen(stream, context);
+    } finally {
+      stream.getTracks().forEach((one) => one.stop());
+      await context.close();
+    }
+  }
+  async listen(stream, context) {
+    await context.resume();
+    await context.audioWorklet.addModule("/static/samples.js");
+    const rate_hz = context.sampleRate, [track] = stream.getAudioTracks();
     this.told(granted(track, rate_hz));
-    const source = this.context.createMediaStreamSource(this.stream), node = new AudioWorkletNode(this.context, "samples", { numberOfOutputs: 1, channelCount: 1, channelCountMode: "explicit" });
+    const source = context.createMediaStreamSource(stream), node = new AudioWorkletNode(context, "samples", { numberOfOutputs: 1, channelCount: 1, channelCountMode: "explicit" });
     const listener = new Listener(rate_hz);
     const done = new Promise((resolve) => { this.end = resolve; });
     track.addEventListener("ended", () => this.end("stopped"));
@@ -77,12 +84,10 @@ export class Recorder {
       if (listener.ended) this.end(listener.ended);
     };
     // the worklet runs only while it leads somewhere; it gives silence
-    source.connect(node).connect(this.context.destination);
+    source.connect(node).connect(context.destination);
     this.began();
     const reason = await done;
     node.port.onmessage = null;
-    this.stream.getTracks().forEach((one) => one.stop());
-    await this.context.close();
     if (reason === "nothing") throw new Refused([words("microphone.nothing")]);
     return { blob: wav(this.blocks, rate_hz), reason, lost_s: this.lost / rate_hz };
   }
