@@ -105,6 +105,7 @@ export class Drop {
     document.body.setAttribute("aria-busy", "true");
     try {
       const result = await job(wish.job, (now) => this.wait(now));
+      if (wish.job.scenario !== this.choices.scenario.name) return; // another one was opened since
       say(byId("drop-faults"), result.missing ?? []);
       await this.show(result, wish);
     } catch (error) {
@@ -174,8 +175,8 @@ export class Drop {
   }
   async takeHome() {
     try {
-      const { files } = await job({ ...this.asked, kind: "script", engine: byId("take-engine").value });
-      byId("taken").append(...links(this.group(), files));
+      const { asked } = this, { files } = await job({ ...asked, kind: "script", engine: byId("take-engine").value });
+      byId("taken").append(...links(asked.group, files));
       document.dispatchEvent(new Event("stored"));
     } catch (error) {
       this.refuse(error);
