@@ -22,7 +22,7 @@ export class Choices {
     this.offer("preset", [new Option(words("drop.no_preset"), ""), ...scenario.presets.map((one) => new Option(one.name.replaceAll("_", " "), one.name))]);
     byId("preset").disabled = !scenario.presets.length;
     this.fill("engines", scenario.engines.map((one) => this.engine(one)));
-    this.fill("levels", scenario.levels.map((one) => tick("checkbox", "level", one.name, `${one.name}: ${one.text}`, { checked: one.first ?? ["default", "tuned"].includes(one.name) })));
+    this.fill("levels", scenario.levels.map((one) => tick("checkbox", "level", one.name, `${one.name}: ${one.text}`, { checked: ["default", "tuned"].includes(one.name) })));
     this.hands.clear();
     byId("contact-values").replaceChildren(...scenario.engines.filter((one) => one.contact?.length && !one.missing).map((one) => this.hand(one)));
     this.preset("");

@@ -32,6 +32,8 @@ export class Real {
     this.scale = new Scale((scale) => this.try(() => this.measure(scale)));
     byId("record").addEventListener("click", () => (this.recorder ? this.recorder.end?.("stopped") : this.try(() => this.record())));
     byId("file").addEventListener("change", () => byId("file").files.length && this.try(() => this.file(byId("file").files[0])));
+    // the same file can be sent again, such as where the first time the lab did not answer
+    byId("file").addEventListener("click", () => { byId("file").value = ""; });
     byId("own").addEventListener("change", () => byId("own").value && this.try(() => this.again(byId("own").value)));
     byId("fit-for-me").addEventListener("click", () => this.fitForMe());
     byId("fit").addEventListener("click", () => this.try(() => this.fit(), byId("fit")));
@@ -106,8 +108,7 @@ export class Real {
   async show(recording, notes = [], isDropped = true) {
     this.recording = recording;
     this.drop.heard = recording.drop ? recording : null;
-    const { impacts = [], faults = [], drop, frame } = recording, count = impacts.length;
-    say(byId("real-faults"), faults);
+    const { impacts = [], drop, frame } = recording, count = impacts.length;
     if (frame) this.scale.show(recording);
     else this.scale.hide();
     byId("heard").hidden = !count && !drop;
