@@ -26,6 +26,7 @@ pytest.importorskip("segno", reason="the extra [web] is not installed")
 pytest.importorskip("trustme", reason="the extra [web] is not installed")
 
 from cryptography import x509
+from uvicorn.protocols.http import h11_impl
 
 from simcompare import cli
 from simcompare.cli import lab as lab_verb
@@ -172,6 +173,12 @@ def test_a_length_and_parts_together_are_refused(plain):
 def test_a_connection_on_which_nothing_is_asked_is_closed(plain, monkeypatch, parts):
     monkeypatch.setattr(connections, "_HEAD_S", 0.05)
     assert raw(port_of(plain), *parts) == b""
+
+
+def test_a_connection_from_nobody_any_more_is_closed(plain, monkeypatch):
+    monkeypatch.setattr(connections, "_HEAD_S", 0.05)
+    monkeypatch.setattr(h11_impl, "get_remote_addr", lambda _: None)
+    assert raw(port_of(plain)) == b""
 
 
 def test_each_request_on_a_connection_has_its_own_time_for_its_head(plain, monkeypatch):

@@ -22,7 +22,8 @@ class Connection(H11Protocol):  # type: ignore[misc]
     def connection_made(self, transport: asyncio.Transport) -> None:
         """Takes a connection, unless its address has too many."""
         super().connection_made(transport)
-        own = sum(one.client[0] == self.client[0] for one in self.connections)
+        address = (self.client or "?")[0]  # it may have gone already
+        own = sum((one.client or "?")[0] == address for one in self.connections)
         if 2 * own > self.limit_concurrency:
             transport.abort()
         else:
