@@ -421,6 +421,8 @@ def test_the_teacher_sees_all_groups_and_closes_the_queue(tmp_path):
         refused = client.post("/api/jobs", json={"group": "Kepler", "kind": "run"})
         assert refused.status_code == 503
         assert refused.json()["faults"][0].startswith("The teacher has closed the queue.")
+        assert sent(client, WAV, group="Kepler").status_code == 503
+        assert client.get("/api/groups/Kepler").json()["recordings"] == []
         # a phone that comes now still sees what there is
         assert client.get("/api/scenarios").status_code == 200
         client.post("/api/teacher/queue", json={"open": True}, headers=pin)

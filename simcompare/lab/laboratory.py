@@ -49,8 +49,7 @@ class Lab:
         kind = asked.get("kind")
         if kind not in KINDS:
             raise Refused(400, "bad_kind", kind=str(kind), kinds=", ".join(KINDS))
-        if not self.queue.is_open:
-            raise Refused(503, "closed")
+        self.queue.check_open()
         group = await asyncio.to_thread(self._group_for, asked)
         made = Job(group.key, Task(str(kind), {}))
         given = {name: value for name, value in asked.items() if name not in _OWN}

@@ -91,14 +91,19 @@ class Queue:
         """How many jobs wait."""
         return len(self._waiting)
 
+    def check_open(self) -> None:
+        """Raises ``Refused`` while the queue is closed."""
+        if not self.is_open:
+            raise Refused(503, "closed")
+
     def add(self, job: Job) -> Job:
         """Takes a job in; one of no group, as pages need it to open, also while it is closed.
 
         Raises:
             Refused: the queue is closed, or too many wait already.
         """
-        if not self.is_open and job.group:
-            raise Refused(503, "closed")
+        if job.group:
+            self.check_open()
         own = sum(other.group == job.group for other in self._waiting)
         if own >= _OF_A_GROUP or len(self._waiting) >= _OF_ALL:
             raise Refused(429, "too_many_jobs", waiting=own or len(self._waiting))
