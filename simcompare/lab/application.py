@@ -138,6 +138,7 @@ def _stored(request: Request, job_id: str) -> Response:
 # ---- recordings
 
 
+    lab.queue.check_open()
 async def _add_recording(request: Request) -> Response:
     lab, asked = _lab(request), request.query_params
     group = await asyncio.to_thread(lab.groups.join, asked.get("group"))
