@@ -5,12 +5,13 @@ import os
 
 import pytest
 
+from simcompare.glossary import LANGUAGES
 from simcompare.lab import contents, desk, queue, work
 from simcompare.lab.desk import Ending, Task
 from simcompare.lab.groups import Groups, key_of
 from simcompare.lab.pin import Pin
 from simcompare.lab.queue import Job, Queue
-from simcompare.lab.refusals import LANGUAGES, Refused, language_of, sentences
+from simcompare.lab.refusals import Refused, language_of, sentences
 from tests import lab_stand_in
 
 

@@ -14,7 +14,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from simcompare.lab import contents, delivery, refusals, uploads
+from simcompare.lab import contents, delivery, uploads
 from simcompare.lab.answers import FAULTS, language, said
 from simcompare.lab.groups import Group
 from simcompare.lab.guard import Guard
@@ -99,9 +99,7 @@ async def _scenario(request: Request) -> Response:
 
 async def _add_job(request: Request) -> Response:
     lab, asked = _lab(request), await uploads.document(request)
-    wish = request.query_params.get("lang") or asked.get("language")
-    spoken = refusals.language_of(wish, request.headers.get("accept-language", ""))
-    job = await lab.job(asked, spoken)
+    job = await lab.job(asked, language(request))
     return said(request, {"id": job.id, "place": lab.queue.place(job)}, 202)
 
 
@@ -138,9 +136,9 @@ def _stored(request: Request, job_id: str) -> Response:
 # ---- recordings
 
 
-    lab.queue.check_open()
 async def _add_recording(request: Request) -> Response:
     lab, asked = _lab(request), request.query_params
+    lab.queue.check_open()
     group = await asyncio.to_thread(lab.groups.join, asked.get("group"))
     wish, name = asked.get("kind", ""), asked.get("name", "")
     upload = await uploads.recording(request, group, name, wish)

@@ -6,10 +6,9 @@ import functools
 from collections.abc import Sequence
 from pathlib import Path
 
+from simcompare.glossary import LANGUAGES
 from simcompare.model import yaml_file
 
-#: the first is spoken where nobody asks for another
-LANGUAGES = ("en", "de")
 _TEXTS = Path(__file__).parent / "texts"
 
 

@@ -37,7 +37,7 @@ def script(asked: Asked) -> Plain:
     names, faults = [], []
     for engine in _engines(asked):
         if not facts.has_script(engine):
-            faults.append(say(asked.text("language", "en"), "no_script", engine=engine))
+            faults.append(say(asked.language, "no_script", engine=engine))
             continue
         name = kept.name_of(asked, engine, "py")
         try:

@@ -33,7 +33,7 @@ export const post = (path, value) =>
 
 /** Sends a sound, a video or a table, and gives what was heard or seen in it. */
 export function upload(group, name, kind, blob) {
-  const query = new URLSearchParams({ group, name, kind, lang: language });
+  const query = new URLSearchParams({ group, name, kind });
   return answer(fetch(`/api/recordings?${query}`, { method: "POST", headers: { ...HEAD, "Content-Type": "application/octet-stream" }, body: blob }));
 }
 
@@ -53,7 +53,7 @@ async function patiently(path) {
 
 /** Has a job done and gives its result; tells now and then whether it waits, and at which place. */
 export async function job(what, tell = () => {}) {
-  const { id } = await post("/api/jobs", { language, ...what });
+  const { id } = await post("/api/jobs", what);
   for (;;) {
     const now = await patiently(`/api/jobs/${id}?wait=${WAIT_S}`);
     if (now.result) return { ...now.result, id };
