@@ -8,7 +8,6 @@ import hashlib
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 import jinja2
 from starlette.requests import Request
@@ -96,17 +95,9 @@ def page(name: str, language: str, **values: str) -> bytes:
     undefined = jinja2.StrictUndefined
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=undefined)
     words = refusals.sentences(language)
-    return (
-        environment.get_template(name)
-        .render(language=language, texts=_texts(language), words=words, **values)
-        .encode()
-    )
-
-
-def _texts(language: str) -> dict[str, Any]:
-    """The texts of the page."""
-    path = _HERE / "texts" / f"{language}.yaml"
-    return dict(yaml_file.read_yaml(path)[0]) if path.exists() else {}
+    texts = yaml_file.read_yaml(_HERE / "texts" / f"{language}.yaml")[0]
+    made = environment.get_template(name)
+    return made.render(language=language, texts=texts, words=words, **values).encode()
 
 
 def file(path: Path, *, downloaded: bool) -> Response:

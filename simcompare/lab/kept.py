@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,6 +11,7 @@ from typing import Any
 from simcompare.errors import InputError
 from simcompare.lab import recordings
 from simcompare.lab.asked import Asked
+from simcompare.lab.groups import document
 from simcompare.model import recording_store, whole
 
 #: what the server writes of it
@@ -20,18 +20,9 @@ _TOLD = "recording.json"
 _LETTERS = 6
 
 
-def told(place: Path) -> dict[str, Any]:
-    """What was answered when it came."""
-    try:
-        found = json.loads((place / _TOLD).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        found = {}
-    return found if isinstance(found, dict) else {}
-
-
 def drop_of(place: Path) -> dict[str, Any] | None:
     """What was recorded of a ball; ``None`` where nothing bounced."""
-    found = told(place).get("drop")
+    found = document(place / _TOLD).get("drop")
     return found if isinstance(found, dict) else None
 
 

@@ -12,6 +12,7 @@ from simcompare.errors import InputError
 from simcompare.fitting.bounces import reading, tables
 from simcompare.fitting.bounces.bounce_models import GRAVITY
 from simcompare.fitting.bounces.impacts import Impacts
+from simcompare.lab.contents import SOUND
 from simcompare.lab.envelope import envelope
 from simcompare.lab.faults import for_page
 from simcompare.lab.numbers import shortened
@@ -30,8 +31,6 @@ _MIXED = (
     " ball where it is quiet, and record again."
 )
 _FEW = 3
-#: kinds of recordings
-SOUND, VIDEO, TABLE = "sound", "video", "table"
 #: part of full scale at which a sound is cut off, and how many samples there make it clipped
 _FULL, _CLIPPED = 0.999, 20
 #: largest value of a sound in which nothing is heard

@@ -14,8 +14,8 @@ import numpy as np
 from simcompare.errors import InputError
 from simcompare.hardware import confined
 from simcompare.lab import recordings, tracking
+from simcompare.lab.contents import TABLE, VIDEO
 from simcompare.lab.numbers import listed, shortened
-from simcompare.lab.recordings import VIDEO
 from simcompare.lab.tracking import Film
 from simcompare.model import plain, whole
 from simcompare.model.plain import Plain
@@ -75,7 +75,7 @@ def scaled(place: Path, points: Any, metres: float) -> Plain:  # noqa: ANN401
     ]
     file = place / METRES
     whole.write(file, "\n".join(["time (s),height (m)", *rows, ""]).encode())
-    found = recordings.received(file, recordings.TABLE)
+    found = recordings.received(file, TABLE)
     heights = (ground_px - np.array(film.y)) * metre_px
     return {
         **found, "kind": VIDEO, "width": film.width, "height": film.height, "metres": metres,

@@ -13,7 +13,7 @@ from typing import Any
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.logs import importers
-from simcompare.lab import facts, fits, recordings, runs, takeaways, video
+from simcompare.lab import contents, facts, fits, recordings, runs, takeaways, video
 from simcompare.lab.asked import Asked, number
 from simcompare.lab.queue import READING
 from simcompare.lab.translation import each
@@ -84,7 +84,7 @@ def _scenario(asked: Asked) -> Plain:
 
 
 def _recording(asked: Asked) -> Plain:
-    kind = asked.one_of("kind", (recordings.SOUND, recordings.TABLE))
+    kind = asked.one_of("kind", (contents.SOUND, contents.TABLE))
     return _told(recordings.received(Path(asked.text("path")), kind), asked)
 
 
