@@ -165,6 +165,14 @@ def process_of(worker):
     return found
 
 
+def test_a_run_in_which_an_engine_failed_is_made_again(monkeypatch):
+    monkeypatch.setattr(desk, "_runs", {})
+    missing = iter((["mujoco: took more than 30 s"], [], ["asked once too often"]))
+    task = Task("run", {"scenario": "ball"})
+    results = [desk._result(lambda *_: {"missing": next(missing)}, task) for _ in range(3)]
+    assert [one["missing"] == [] for one in results] == [False, True, True]
+
+
 def test_a_worker_ends_with_its_engines_also_when_nobody_kills_it():
     worker = desk.Desk(work.perform)
     process = process_of(worker)

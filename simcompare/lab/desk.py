@@ -181,11 +181,14 @@ def _result(perform: Perform, task: Task) -> dict[str, Any]:
         return perform(task.kind, task.request)
     asked = {name: value for name, value in task.request.items() if name not in ("folder", "id")}
     key = json.dumps(asked, sort_keys=True)
-    if key not in _runs:
-        _runs[key] = perform(task.kind, task.request)
+    if key in _runs:
+        return _runs[key]
+    result = perform(task.kind, task.request)
+    if not result.get("missing"):  # else another try may do better
+        _runs[key] = result
     for oldest in [*_runs][:-_RUNS]:
         del _runs[oldest]
-    return _runs[key]
+    return result
 
 
 def _written(value: object) -> bytes:
