@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from simcompare.fitting.bounces.tables import USED
 from simcompare.hardware.recordings import bounce_table, published
 from simcompare.hardware.recordings.bounce_table import BounceTable
 from simcompare.lab.numbers import shortened
@@ -34,7 +33,6 @@ def _told(name: str, table: BounceTable, file: ScenarioFile, language: str) -> P
         "text": ". ".join(each(told, language)),
         "preset": table.preset or "",
         "parameters": file.read_settings(table.parameters, str(table.path)),
-        "can_fit": any(one.name in USED for one in table.quantities),
     }
 
 
