@@ -511,3 +511,25 @@ def test_a_name_that_is_a_script_stays_a_name(page: Page, address: str) -> None:
     page.open(f"{address}?group={'%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E'}")
     page.until("() => document.querySelector('#group').value.includes('onerror')")
     assert page.ask("() => document.querySelectorAll('img[src=x]').length") == 0
+
+
+def test_the_teacher_closes_the_queue_and_is_asked_again_for_a_pin(
+    page: Page, address: str
+) -> None:
+    _begin(page, address)
+    page.open(address + "teacher")
+    page.until("() => document.querySelector('#groups').innerText.includes('group ')")
+    for state in ("closed", "open"):
+        page.click("#switch")
+        page.until(f"() => document.querySelector('#state').innerText.includes('{state}')")
+    # a lab that was started anew has another PIN
+    page.ask(
+        """() => { window.fetch = () => Promise.resolve(
+            new Response('{"faults": ["This PIN is not right."]}', { status: 401 })); }"""
+    )
+    page.click("#switch")
+    page.until("() => !document.querySelector('#enter').hidden")
+    assert "not right" in page.text("#fault")
+    page.ask("() => { window.fetch = () => Promise.reject(new TypeError('Failed to fetch')); }")
+    page.click("#enter button")
+    page.until("() => document.querySelector('#fault').innerText.includes('does not answer')")

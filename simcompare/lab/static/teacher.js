@@ -5,14 +5,17 @@ const byId = (id) => document.getElementById(id);
 const language = document.documentElement.lang;
 let pin = "";
 let isOpen = true;
+let timer;
 // what stands on the page now, and the kind of job of which there is one for each touch of a slider
 let shown = "";
 const RUN = "run";
+const WRONG_PIN = 401;
 
 async function ask(path, options = {}) {
   const headers = { "X-Pin": pin, "Accept-Language": language, ...(options.headers || {}) };
-  const answer = await fetch(path, { ...options, headers });
-  const told = await answer.json();
+  const answer = await fetch(path, { ...options, headers }).catch(() => { throw new Error(byId("fault").dataset.lost); });
+  const told = await answer.json().catch(() => ({}));
+  if (answer.status === WRONG_PIN) leave();
   if (!answer.ok) throw new Error((told.faults || [answer.statusText]).join(" "));
   return told;
 }
@@ -95,7 +98,15 @@ async function tried(what) {
 async function enter() {
   await show();
   await showCode().catch(() => {}); // a lab that is not shared has none
-  setInterval(() => tried(show), 5000);
+  clearInterval(timer);
+  timer = setInterval(() => tried(show), 5000);
+}
+
+// a lab that was started anew has another PIN: who goes on with the old one locks this device out
+function leave() {
+  clearInterval(timer);
+  byId("enter").hidden = false;
+  byId("inside").hidden = true;
 }
 
 byId("enter").addEventListener("submit", (event) => {
