@@ -214,6 +214,25 @@ def test_nothing_moves_by_itself_for_who_wants_that(page: Page) -> None:
 # ---- weight, access, small screens
 
 
+def test_a_motion_that_is_stopped_and_played_again_is_not_played_twice(
+    page: Page, address: str
+) -> None:
+    _begin(page, address)
+    drawn = page.ask(
+        """() => { const frames = [], there = [window.requestAnimationFrame, Plotly.restyle];
+            let drawn = 0;
+            window.requestAnimationFrame = (one) => frames.push(one);
+            Plotly.restyle = () => { drawn += 1; return new Promise(() => {}); };
+            const play = document.querySelector("#replay [name=play]");
+            for (let i = 0; i < 3; i += 1) play.click();
+            frames.forEach((one) => one(performance.now()));
+            play.click();
+            [window.requestAnimationFrame, Plotly.restyle] = there;
+            return drawn; }"""
+    )
+    assert drawn == 1
+
+
 def test_the_page_weighs_little(address: str) -> None:
     """All that a browser loads before engines run, as it is sent."""
     seen: dict[str, int] = {}

@@ -25,7 +25,7 @@ const Replay = (() => {
       this.box = box;
       this.plot = box.querySelector(".stage");
       this.control = (name) => box.querySelector(`[name=${name}]`);
-      this.playing = false;
+      this.playing = null;
       this.control("play").addEventListener("click", () => this.toggle());
       this.control("time").addEventListener("input", (event) => this.seek(Number(event.target.value)));
       this.control("time").addEventListener("keydown", (event) => {
@@ -242,17 +242,19 @@ const Replay = (() => {
       return Plotly.restyle(this.plot, update, this.drawn.map((_, n) => n));
     }
     toggle() {
-      this.playing = !this.playing;
+      // each playing is one of its own: what is left of one before does not go on beside it
+      const mine = this.playing = this.playing ? null : {};
       const button = this.control("play");
-      button.textContent = this.playing ? button.dataset.pause : button.dataset.play;
-      if (!this.playing) return;
+      button.textContent = mine ? button.dataset.pause : button.dataset.play;
+      if (!mine) return;
       if (this.time >= this.scene.end) this.time = this.scene.begin;
       let last = performance.now();
       const step = (now) => {
-        if (!this.playing) return;
+        if (this.playing !== mine) return;
         const next = this.time + (now - last) / 1000 * Number(this.control("speed").value);
         last = now;
         this.seek(Math.min(next, this.scene.end)).then(() => {
+          if (this.playing !== mine) return;
           if (this.time >= this.scene.end) this.toggle();
           else requestAnimationFrame(step);
         });
