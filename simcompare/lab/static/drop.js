@@ -44,9 +44,10 @@ export class Drop {
   /** What was recorded, where the scenario is that of a ball that is dropped. */
   get recording() { return this.choices.scenario?.can_fit ? this.heard?.id : undefined; }
   async open(name, preset = "") {
+    byId("scenario").value = name;
     try {
       const scenario = { name, ...await get(`/api/scenarios/${encodeURIComponent(name)}`) };
-      byId("scenario").value = name;
+      if (byId("scenario").value !== name) return; // another one was chosen since
       const isDrop = scenario.parameters.some((one) => one.name.startsWith("drop_"));
       byId("drop-head").textContent = isDrop ? words("drop.title") : scenario.title;
       byId("question").textContent = scenario.question;
