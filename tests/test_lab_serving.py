@@ -182,7 +182,7 @@ def test_a_connection_from_nobody_any_more_is_closed(plain, monkeypatch):
 
 
 def test_each_request_on_a_connection_has_its_own_time_for_its_head(plain, monkeypatch):
-    monkeypatch.setattr(connections, "_HEAD_S", 0.05)
+    monkeypatch.setattr(connections, "_HEAD_S", 1.0)  # far beyond what sending takes
     port = port_of(plain)
     whole = b"GET /api/share HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n\r\n" % port
     answered = raw(port, whole, whole[:20])
@@ -192,7 +192,7 @@ def test_each_request_on_a_connection_has_its_own_time_for_its_head(plain, monke
 def test_a_connection_on_which_the_rest_of_a_refused_file_does_not_come_is_closed(
     plain, monkeypatch
 ):
-    monkeypatch.setattr(connections, "_HEAD_S", 0.05)
+    monkeypatch.setattr(connections, "_HEAD_S", 1.0)  # far beyond what sending takes
     port = port_of(plain)
     kept = head(port, b"Content-Length: 2200000000").replace(b"Connection: close\r\n", b"")
     with socket.create_connection(("127.0.0.1", port), timeout=30) as connection:
