@@ -79,6 +79,20 @@ def test_the_bill_has_every_part_and_the_mass_of_the_whole(without_cad, tmp_path
     assert all(row["source"] for row in bill)
 
 
+def test_no_text_of_a_table_is_a_formula(without_cad, tmp_path):
+    """A file of others may say anything; a table program would work it out."""
+    tree = yaml.safe_load(robot_file.OWN.read_text(encoding="utf-8"))
+    tree["wheels"]["text"] = '=HYPERLINK("http://example.org")'
+    path = tmp_path / "my.yaml"
+    path.write_text(yaml.safe_dump(tree), encoding="utf-8")
+    simcompare.robot(path, out=tmp_path / "out")
+    for name in ("bill_of_materials.csv", "wiring.csv", "pins.csv"):
+        text = (tmp_path / "out" / name).read_text(encoding="utf-8")
+        cells = [one for row in csv.reader(text.splitlines()) for one in row if len(one) > 1]
+        assert not [one for one in cells if one.startswith(("=", "+", "-", "@"))], name
+        assert "'=HYPERLINK" in text or name != "bill_of_materials.csv"
+
+
 def test_every_pin_of_the_controller_has_one_use(without_cad, tmp_path):
     simcompare.robot(out=tmp_path)
     wiring, pins = rows(tmp_path / "wiring.csv"), rows(tmp_path / "pins.csv")

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from simcompare.hardware.robot.built import placed
 from simcompare.hardware.robot.description import Bought, Robot
 from simcompare.hardware.robot.wiring import controller, leads
+from simcompare.model.cells import cell
 
 #: heads of the tables, by which our own are known again
 BILL = ("part", "count", "mass_each_kg", "text", "maker", "part_number", "price_each", "currency",
@@ -79,5 +80,5 @@ def _csv(head: Sequence[str], rows: Iterable[Row]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(head)
-    writer.writerows(rows)
+    writer.writerows([cell(value) for value in row] for row in rows)
     return text.getvalue()

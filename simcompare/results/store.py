@@ -18,11 +18,11 @@ import numpy as np
 
 from simcompare.comparison.comparison import Score
 from simcompare.errors import InputError, NoSuchFile, OutputError
-from simcompare.model import parquet, plain, user_file, whole
+from simcompare.model import cells, parquet, plain, user_file, whole
 from simcompare.model.parquet import Table
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.results import cells, readings_file, unfinished
+from simcompare.results import readings_file, unfinished
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
 from simcompare.results.unfinished import Unfinished

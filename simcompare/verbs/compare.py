@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from simcompare.arguments import checked
 from simcompare.errors import InputError
+from simcompare.model import cells
 from simcompare.reports import builder
 from simcompare.reports.compare import page, rows, tables, words
 from simcompare.reports.compare.compared import Compared, compared
@@ -18,7 +19,7 @@ from simcompare.reports.render import frames, matplotlib_, output
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
 from simcompare.reports.run.listing import joined
-from simcompare.results import cells, store, stored_runs
+from simcompare.results import store, stored_runs
 from simcompare.results.run import Run
 from simcompare.verbs.damaged import told_as_damaged
 
