@@ -175,6 +175,33 @@ def test_all_faults_are_told_at_once_with_place_value_and_cure(changed):
         ({"chassis.length_m": 179}, "expected at most 1 m, found 179; a millimetre is 0.001"),
         ({"parts.imu.mass_kg": 21}, "expected at most 20 kg, found 21; a gram is 0.001"),
         ({"parts.imu.position_m": [0, 0, 29.5]}, "position_m.2: expected at most 1 m"),
+        ({"chassis.density_kg_m3": 1.24e6}, "density_kg_m3: expected at most 22590 kg/m³"),
+        # what is drawn would weigh less than what is summed up
+        ({"caster.behind_m": 0.05, "motor.size_m": [0.07, 0.02, 0.022]}, "of the post; make them"),
+        ({"caster.screws_m": 0.003}, "so they are one"),
+        ({"chassis.post_m": [0.016, 0.1]}, "wider than the plate (0.094 m)"),
+        ({"parts.battery.position_m": [0.0158, 0, -0.03]}, "battery is 12 mm below the floor"),
+        ({"parts.imu.mirrored": True, "parts.imu.position_m": [0, 0.02, 0.045]}, "mirrored; list"),
+        ({"parts.imu.frame": "range_link"}, "range_link is the frame of imu; choose"),
+        ({"parts.imu.frame": "base_link"}, "base_link is the frame of the driver"),
+        ({"parts.encoder.frame": "disc"}, "list both as parts"),
+        ({"parts.driver.pins": {"IO1": "io"}}, "parts.driver.pins: board lists its pins, too"),
+        (
+            {
+                "parts.left_wheel": {
+                    **content()["parts"]["imu"],
+                    "i2c": 9,
+                    "frame": "b",
+                    "position_m": [0, 0, 0.06],
+                }
+            },
+            "parts.left_wheel: another part is called left_wheel, too",
+        ),
+        (
+            {"parts.imu.wires": {"=cmd|calc": ["board.GND", "ground"]}},
+            "wires.=cmd|calc: is not written as it must be",
+        ),
+        ({"name": "Röbot"}, "a package of ROS 2 cannot be called so"),
     ],
 )
 def test_what_cannot_be_is_told_with_its_cure(changed, values, words):

@@ -8,11 +8,10 @@ must be for a robot to exist is in ``possible.py``, so that all faults are told 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated
 
 from pydantic import Field
 
-from simcompare.hardware.robot.pins import PIN, Role, Wire
+from simcompare.hardware.robot.pins import Pin, Role, Wire
 from simcompare.model.shapes import Frozen, Vector
 from simcompare.model.words import Line, Name
 
@@ -107,9 +106,9 @@ class Part(Bought):
     size_m: Vector
     position_m: Vector
     mirrored: bool = False
-    wires: Mapping[str, Wire] = Field(default_factory=dict)
-    right_wires: Mapping[str, Wire] = Field(default_factory=dict)
-    pins: Mapping[Annotated[str, Field(pattern=PIN)], Role] = Field(default_factory=dict)
+    wires: Mapping[Pin, Wire] = Field(default_factory=dict)
+    right_wires: Mapping[Pin, Wire] = Field(default_factory=dict)
+    pins: Mapping[Pin, Role] = Field(default_factory=dict)
     i2c: int | None = None
     frame: Name | None = None
 

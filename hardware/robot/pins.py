@@ -7,11 +7,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 #: how a pin is written
-PIN = r"^[A-Za-z0-9_+-]{1,12}$"
+_PIN = r"[A-Za-z0-9_+-]{1,12}"
+Pin = Annotated[str, Field(pattern=f"^{_PIN}$")]
 #: what a pin of the controller can do; a strapping pin decides how the controller starts
 Role = Literal["power", "ground", "io", "input", "strapping", "flash", "serial"]
 #: where a wire leads, and what it is for: out of the controller, into it, its bus, or power
 Wire = tuple[
-    Annotated[str, Field(pattern=r"^[A-Za-z_]\w*\.[A-Za-z0-9_+-]{1,12}$")],
+    Annotated[str, Field(pattern=rf"^[A-Za-z_]\w*\.{_PIN}$")],
     Literal["out", "in", "sda", "scl", "power", "ground", "motor"],
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterator, Mapping
 
 from pydantic import BaseModel
@@ -18,6 +19,12 @@ TOUCHING_M = 1e-9
 BESIDE_M = 1e-4
 #: the largest length and mass of a part of a table-top robot
 MOST_M, MOST_KG = 1.0, 20.0
+#: density of osmium [kg/m³]: nothing on a table is denser (CRC Handbook of Chemistry and Physics)
+MOST_KG_M3 = 22_590.0
+#: what a package of ROS 2 is called (REP 144), here with what is added to the robot's name
+_PACKAGE = re.compile(r"[a-z][a-z0-9_]*")
+#: frames that the driver gives (REP 105)
+_FRAMES = ("base_link", "odom", "map")
 #: numbers that may be 0, or have either sign
 _ANY = ("position_m", "price")
 
@@ -25,9 +32,12 @@ _ANY = ("position_m", "price")
 def faults(robot: Robot) -> dict[str, str]:
     """What of a robot cannot be, as place in its file -> sentence."""
     wrong = {**_values(robot), **_sources(robot), **_sizes(robot), **wiring_faults(robot)}
+    wrong |= dict(_names(robot))
     if wrong:
         return wrong
-    return dict(_collisions(placed(robot))) or dict(_balance(robot))
+    parts = placed(robot)
+    wrong = {**dict(_twice(parts)), **dict(_below(robot, parts)), **dict(_collisions(parts))}
+    return wrong or dict(_balance(robot))
 
 
 def _values(robot: Robot) -> dict[str, str]:
@@ -43,6 +53,8 @@ def _values(robot: Robot) -> dict[str, str]:
             found[place] = f"expected at most {MOST_M:g} m, found {value:g}; a millimetre is 0.001"
         elif name == "mass_kg" and value > MOST_KG:
             found[place] = f"expected at most {MOST_KG:g} kg, found {value:g}; a gram is 0.001"
+        elif name == "density_kg_m3" and value > MOST_KG_M3:
+            found[place] = f"expected at most {MOST_KG_M3:g} kg/m³, found {value:g}; water has 1000"
     if robot.motor.drive.efficiency > 1:
         found["motor.drive.efficiency"] = (
             f"expected at most 1, found {robot.motor.drive.efficiency:g}: no gear gives more"
@@ -90,7 +102,7 @@ def _sources(robot: Robot) -> dict[str, str]:
 
 def _sizes(robot: Robot) -> dict[str, str]:
     """Sizes that do not go together."""
-    chassis, wheels, caster = robot.chassis, robot.wheels, robot.caster
+    chassis, wheels = robot.chassis, robot.wheels
     between = wheels.track_m - wheels.width_m
     found: dict[str, str] = {}
     if wheels.width_m > chassis.width_m:
@@ -107,6 +119,17 @@ def _sizes(robot: Robot) -> dict[str, str]:
         found["motor.mirrored"] = "expected true: there is a motor on each side"
     if "motor" in robot.parts:
         found["parts.motor"] = "stands beside parts, as motor; give this part another name"
+    if chassis.post_m[1] > chassis.width_m:
+        found["chassis.post_m"] = (
+            f"{chassis.post_m[1]:g} m is wider than the plate ({chassis.width_m:g} m)"
+        )
+    return found | _sizes_of_caster(robot)
+
+
+def _sizes_of_caster(robot: Robot) -> dict[str, str]:
+    """The same of the caster, its screws and what they are in."""
+    chassis, wheels, caster = robot.chassis, robot.wheels, robot.caster
+    found: dict[str, str] = {}
     if 2 * caster.radius_m > caster.height_m:
         found["caster.height_m"] = (
             f"{caster.height_m:g} m is less than the ball's diameter {2 * caster.radius_m:g} m"
@@ -122,6 +145,11 @@ def _sizes(robot: Robot) -> dict[str, str]:
             f"the screw holes need {inside:g} m across, and the post has {chassis.post_m[1]:g} m;"
             " raise chassis.post_m"
         )
+    elif caster.screws_m <= caster.screw_m:
+        found["caster.screws_m"] = (
+            f"{caster.screws_m:g} m is no more than the diameter of the holes, so they are one;"
+            " raise it, or lower caster.screw_m"
+        )
     rear = chassis.length_m - chassis.front_m
     if caster.behind_m + chassis.post_m[0] / 2 > rear:
         found["caster.behind_m"] = (
@@ -131,8 +159,52 @@ def _sizes(robot: Robot) -> dict[str, str]:
     return found
 
 
+def _names(robot: Robot) -> Iterator[tuple[str, str]]:
+    """Names that ROS 2 does not take, and frames that are not one thing each."""
+    if not _PACKAGE.fullmatch(robot.name):
+        yield (
+            "name",
+            f"a package of ROS 2 cannot be called so; expected a to z, 0 to 9 and _, such as"
+            f" my_robot, found {robot.name!r}",
+        )
+    owners = {**dict.fromkeys(_FRAMES, "the driver"), robot.body: "the body"}
+    for name, part in robot.all_parts.items():
+        if part.frame is None:
+            continue
+        place = "motor.frame" if part is robot.motor else f"parts.{name}.frame"
+        if part.mirrored:
+            yield place, "there are two of it; leave the frame out, or list both as parts"
+        elif part.frame in owners:
+            yield place, f"{part.frame} is the frame of {owners[part.frame]}; choose another name"
+        owners.setdefault(part.frame, name)
+
+
+def _twice(parts: tuple[Placed, ...]) -> Iterator[tuple[str, str]]:
+    """Parts that are called as others are."""
+    for one, other in itertools.combinations(parts, 2):
+        if one.name == other.name:
+            own = next((p.place for p in (other, one) if p.place.startswith("parts.")), other.place)
+            yield own, f"another part is called {one.name}, too; choose another name"
+
+
+def _below(robot: Robot, parts: tuple[Placed, ...]) -> Iterator[tuple[str, str]]:
+    """Parts that reach into the floor."""
+    for one in parts:
+        depth = max(-robot.wheels.radius_m - float(solid.low_m[2]) for solid in one.solids)
+        if depth > TOUCHING_M:
+            yield one.place, f"{one.name} is {1000 * depth:.3g} mm below the floor; raise it"
+
+
 def _collisions(parts: tuple[Placed, ...]) -> Iterator[tuple[str, str]]:
-    """Parts that are in the same place."""
+    """Parts that are in the same place; of the chassis its cheeks can be where others are."""
+    for mine, theirs in itertools.combinations(parts[0].solids, 2):
+        depth = _overlap_m(mine, theirs)
+        if depth > TOUCHING_M:
+            yield (
+                "chassis.cheek_m",
+                f"a cheek is {1000 * depth:.3g} mm inside of the other one or of the post; make"
+                " them smaller, or place motors or caster elsewhere",
+            )
     for one, other in itertools.combinations(parts, 2):
         for mine, theirs in itertools.product(one.solids, other.solids):
             depth = _overlap_m(mine, theirs)

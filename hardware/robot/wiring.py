@@ -61,6 +61,11 @@ def wiring_faults(robot: Robot) -> dict[str, str]:
     """Wires that lead nowhere or to a pin that cannot do it, as place -> sentence."""
     faults: dict[str, str] = {}
     taken: dict[str, Lead] = {}
+    boards = [name for name, part in robot.all_parts.items() if part.pins]
+    for name in boards[1:]:
+        faults[f"{_place(name)}.pins"] = (
+            f"{boards[0]} lists its pins, too; there is one controller, so delete one of the lists"
+        )
     board = controller(robot)
     for lead in leads(robot):
         place = f"{_place(lead.part)}.wires.{lead.pin}"
@@ -94,6 +99,11 @@ def _bus_faults(robot: Robot) -> dict[str, str]:
         if not 8 <= part.i2c <= 0x77:
             faults[f"{_place(name)}.i2c"] = (
                 f"expected an address of 0x08 to 0x77, found {part.i2c:#x}"
+            )
+        elif part.mirrored:
+            faults[f"{_place(name)}.i2c"] = (
+                f"two parts would answer to {part.i2c:#x}: it is mirrored; list both, each with"
+                " an address of its own"
             )
         elif part.i2c in owners:
             faults[f"{_place(name)}.i2c"] = (
