@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 
 import simcompare
+from simcompare.model.cells import cell
 from simcompare.results import store
-from simcompare.results.cells import cell
 from tests.records import changed, with_source
 from tests.test_store import synthetic
 
@@ -21,7 +21,7 @@ def test_a_text_like_a_formula_has_an_apostrophe_before_it(text):
     assert cell(text) == f"'{text}"
 
 
-@pytest.mark.parametrize("value", ["-0.5", "+1e-3", "pymunk", "a=b", "", -0.5, None, 3])
+@pytest.mark.parametrize("value", ["-0.5", "+1e-3", "pymunk", "a=b", "", "+", "-", -0.5, None, 3])
 def test_what_is_none_is_left_as_it_is(value):
     assert cell(value) is value
 

@@ -11,10 +11,10 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 def cell(value: object) -> object:
     """A value as a cell holds it: an apostrophe stands before a text that is like a formula.
 
-    A sign alone is none. Names come from scenarios and logs, which may be of others. A number is
+    A + or - alone is none. Names come from scenarios and logs, which may be of others. A number is
     left as it is.
     """
-    if not isinstance(value, str) or len(value) < 2 or not value.startswith(_FORMULA):
+    if not isinstance(value, str) or value in ("+", "-") or not value.startswith(_FORMULA):
         return value
     with contextlib.suppress(ValueError):
         float(value)
