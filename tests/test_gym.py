@@ -132,6 +132,59 @@ def test_numbers_that_make_no_sense_are_told_at_once(engine):
             simcompare.gym("robot_avoid", engine=engine, sensors=sensors)
     with pytest.raises(InputError, match="no episode has begun; call reset"):
         simcompare.gym("robot_avoid", engine=engine).step(AHEAD)
+    for asked, words in (
+        ({"control_Hz": 0}, "control_Hz = 0; expected at least 2, such as 10"),
+        ({"control_Hz": 0.01}, "control_Hz = 0.01; expected at least 2"),
+        ({"control_Hz": math.nan}, "control_Hz = nan"),
+        ({"control_Hz": math.inf}, "no whole number of engine steps"),
+        ({"step": 0}, "step = 0 s; expected more than 0"),
+        ({"step": -0.001}, "step = -0.001 s; expected more than 0"),
+    ):
+        with pytest.raises(InputError, match=words):
+            simcompare.gym("robot_avoid", engine=engine, **asked)
+
+
+@pytest.mark.parametrize("engine", SPATIAL[:1])
+def test_what_is_no_action_changes_nothing(engine):
+    """It is refused before anything is noted or moved, so the step after it is as ever."""
+    environment = simcompare.gym("robot_avoid", engine=engine)
+    environment.reset(seed=1)
+    wanted = environment.step(AHEAD)
+    environment.reset(seed=1)
+    for action in (
+        [math.nan, 0],
+        [math.inf, 0],
+        [1],
+        [1, 2, 3],
+        [[1, 2]],
+        0.5,
+        None,
+        "ab",
+        [1j, 0],
+    ):
+        with pytest.raises(InputError, match="action: .*; expected 2 finite numbers"):
+            environment.step(action)
+    found = environment.step(AHEAD)
+    np.testing.assert_array_equal(found[0], wanted[0])
+    assert found[1:] == wanted[1:]
+    environment.close()
+
+
+@pytest.mark.parametrize("engine", SPATIAL[:1])
+def test_an_episode_takes_parameters_with_units_and_nothing_else(engine):
+    environment = simcompare.gym("robot_avoid", engine=engine)
+    _, told = environment.reset(seed=1, options={"set": {"track": "12.5cm", "tyre_friction": 0.5}})
+    assert told["parameters"]["track_m"] == pytest.approx(0.125, rel=1e-12)
+    assert told["parameters"]["tyre_friction"] == 0.5
+    for options, words in (
+        ({"sets": {}}, "expected such as"), ([1], "expected such as"), ({"set": 3}, "names with"),
+        ({"set": {"track_m": "12kg"}}, "options, set: track_m: the unit 'kg' does not fit"),
+        ({"set": {"nope": 1}}, "no parameter is called 'nope'"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=words):
+            environment.reset(options=options)
+    assert environment.step(AHEAD)  # what was refused has ended nothing
+    environment.close()
 
 
 @pytest.mark.parametrize("engine", SPATIAL[:1])

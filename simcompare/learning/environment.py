@@ -69,9 +69,11 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         self._file, self._backend = catalogue.load(asked.scenario), engines.get(asked.engine)
         self._settings, self._sensors = Settings(asked.contact), asked.sensors
         self._given = dict(asked.set)
-        self.control_Hz = asked.control_Hz or self._task.CONTROL_HZ
-        self._step_s = asked.step_s or self._file.resolve(self._given).world.engine_step_s
-        self._refuse(asked)
+        world = self._file.resolve(self._given).world
+        wanted_Hz, step_s = asked.control_Hz, asked.step_s
+        self.control_Hz: float = self._task.CONTROL_HZ if wanted_Hz is None else wanted_Hz
+        self._step_s = world.engine_step_s if step_s is None else step_s
+        self._refuse(asked, world.duration_s)
         self._substeps = round(1 / (self.control_Hz * self._step_s))
         self.observation_space = gymnasium.spaces.Box(
             -10, 10, (self._task.OBSERVATIONS,), np.float32
@@ -88,15 +90,19 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
 
         Args:
             seed: of this and, without another one, of all episodes that follow.
-            options: ``{"set": {...}}``: parameters of this episode in place of drawn ones.
+            options: ``{"set": {...}}``: parameters of this episode in place of drawn ones; text
+                may carry a unit.
 
         Returns:
             The first observation, and the parameters that were drawn.
+
+        Raises:
+            InputError: options that it does not know, or a scene that cannot be.
         """
+        given = self._given | self._optional({} if options is None else options)
         super().reset(seed=seed)
         self.close()
-        drawn = self._task.draw(self.np_random)
-        drawn |= self._given | dict((options or {}).get("set", {}))
+        drawn = self._task.draw(self.np_random) | given
         scenario = self._scene(drawn)
         self._episode = self._task.Episode(scenario, self._sensors, self.control_Hz, self.np_random)
         self._simulation = self._backend.open(scenario, self._settings)
@@ -104,10 +110,17 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         return self._seen(self._simulation), {"parameters": drawn}
 
     def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
-        """Takes a control step: observation, reward, terminated, truncated, and numbers."""
+        """Takes a control step: observation, reward, terminated, truncated, and numbers.
+
+        Args:
+            action: within -1 and 1; what is beyond is cut off.
+
+        Raises:
+            InputError: no action, or no episode has begun.
+        """
         if self._simulation is None:
             raise InputError("step", ["no episode has begun; call reset() first"])
-        self._simulation.step(self._episode.inputs(np.asarray(action, dtype=float)))
+        self._simulation.step(self._episode.inputs(self._action(action)))
         self._taken += 1
         seen = self._seen(self._simulation)
         reward, is_over, told = self._episode.judge()
@@ -118,6 +131,28 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         if self._simulation is not None:
             self._simulation.close()
             self._simulation = None
+
+    def _action(self, action: object) -> Numbers:
+        """An action as finite numbers (m,)."""
+        try:
+            given = np.asarray(action, dtype=float)
+        except (TypeError, ValueError):
+            given = np.array(math.nan)
+        if given.shape != self.action_space.shape or not np.isfinite(given).all():
+            expected = f"expected {self._task.ACTIONS} finite numbers within -1 and 1"
+            raise InputError("action", [f"{action!r:.100}; {expected}"])
+        return given
+
+    def _optional(self, options: object) -> dict[str, float]:
+        """Parameters that are set for one episode."""
+        if not isinstance(options, Mapping) or not options.keys() <= {"set"}:
+            raise InputError(
+                "reset", [f'options={options!r:.100}; expected such as {{"set": {{}}}}']
+            )
+        given = options.get("set", {})
+        if not isinstance(given, Mapping):
+            raise InputError("reset", [f"options, set: {given!r:.100}; expected names with values"])
+        return self._file.read_settings(given, "options, set")
 
     def _seen(self, simulation: Simulation) -> Numbers:
         seen: Numbers = self._episode.observe(simulation.read()).astype(np.float32)
@@ -133,20 +168,30 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         world = scenario.world.model_copy(update={"substeps": self._substeps})
         return scenario.model_copy(update={"world": world, "sensors": {}})
 
-    def _refuse(self, asked: Asked) -> None:
+    def _refuse(self, asked: Asked, longest_s: float) -> None:
         faults = []
         if not (math.isfinite(asked.sensors) and asked.sensors >= 0):
             faults.append(
                 f"sensors = {asked.sensors!r}; expected 0 (ideal), 1 (data sheet) or more"
             )
-        parts = 1 / (self.control_Hz * self._step_s) if self.control_Hz > 0 else 0.0
-        if round(parts) < 1 or abs(parts - round(parts)) > 1e-6 * parts:
+        if not self._step_s > 0:
+            faults.append(f"step = {self._step_s:g} s; expected more than 0")
+        elif not self.control_Hz * longest_s >= 1:
+            faults.append(
+                f"control_Hz = {self.control_Hz:g}; expected at least {1 / longest_s:g}, such as"
+                f" {self._task.CONTROL_HZ:g}"
+            )
+        elif not _is_whole(1 / (self.control_Hz * self._step_s)):
             faults.append(
                 f"control_Hz = {self.control_Hz:g}: a control step is no whole number of engine"
                 f" steps of {self._step_s:g} s; expected such as {self._task.CONTROL_HZ:g}"
             )
         if faults:
             raise InputError(f"environment of {asked.scenario}", faults)
+
+
+def _is_whole(parts: float) -> bool:
+    return round(parts) >= 1 and abs(parts - round(parts)) <= 1e-6 * parts
 
 
 def tasks() -> list[str]:
