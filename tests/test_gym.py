@@ -151,18 +151,9 @@ def test_what_is_no_action_changes_nothing(engine):
     environment.reset(seed=1)
     wanted = environment.step(AHEAD)
     environment.reset(seed=1)
-    for action in (
-        [math.nan, 0],
-        [math.inf, 0],
-        [1],
-        [1, 2, 3],
-        [[1, 2]],
-        0.5,
-        None,
-        "ab",
-        [1j, 0],
-    ):
-        with pytest.raises(InputError, match="action: .*; expected 2 finite numbers"):
+    none = ([math.nan, 0], [math.inf, 0], [1], [1, 2, 3], [[1, 2]], 0.5, None, "ab", [1j, 0])
+    for action in none:
+        with pytest.raises(InputError, match="; expected 2 finite numbers within -1 and 1"):
             environment.step(action)
     found = environment.step(AHEAD)
     np.testing.assert_array_equal(found[0], wanted[0])

@@ -146,9 +146,8 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
     def _optional(self, options: object) -> dict[str, float]:
         """Parameters that are set for one episode."""
         if not isinstance(options, Mapping) or not options.keys() <= {"set"}:
-            raise InputError(
-                "reset", [f'options={options!r:.100}; expected such as {{"set": {{}}}}']
-            )
+            expected = 'expected such as {"set": {"tyre_friction": 0.5}}'
+            raise InputError("reset", [f"options={options!r:.100}; {expected}"])
         given = options.get("set", {})
         if not isinstance(given, Mapping):
             raise InputError("reset", [f"options, set: {given!r:.100}; expected names with values"])
