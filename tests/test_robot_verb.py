@@ -65,6 +65,7 @@ def test_files_of_others_are_left_alone(without_cad, tmp_path):
     with pytest.raises(OutputError, match="is another file"):
         simcompare.robot(out=tmp_path)
     assert (tmp_path / "wiring.csv").read_text(encoding="utf-8") == "red,blue\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["wiring.csv"]
 
 
 def test_the_bill_has_every_part_and_the_mass_of_the_whole(without_cad, tmp_path):
@@ -142,7 +143,21 @@ def test_faults_end_with_2_and_no_traceback(tmp_path):
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
-        ("body", "trunk", "no body of the scenario robot is called 'trunk'"),
+        (
+            "body",
+            "trunk",
+            "no body of the robot in the scenario robot is called 'trunk'; known: chassis",
+        ),
+        (
+            "body",
+            "floor",
+            "no body of the robot in the scenario robot is called 'floor'; known: chassis",
+        ),
+        (
+            "body",
+            "left_wheel",
+            "body of the robot in the scenario robot is called 'left_wheel'; known: chassis",
+        ),
         ("scenario", "robott", "no scenario is called 'robott'; did you mean robot"),
         ("scenario", "ball", "the scenario ball has no parameter of a robot"),
     ],

@@ -35,20 +35,41 @@ def write(path: Path, content: bytes, mark: bytes) -> Path:
         OutputError: a file of others, or a stored run, is there; or it cannot be written, and
             nothing half-written is left behind.
     """
-    path = path.resolve() if path.is_symlink() else path
-    if path.exists() and not path.is_file():
-        raise OutputError(f"{path}: is no file, and is left as it is; choose another place")
+    path = free(path, mark)
     try:
-        if path.exists() and not _is_ours(path, mark):
-            raise OutputError(f"{path}: is another file, and is left as it is; choose another name")
         path.parent.mkdir(parents=True, exist_ok=True)
         whole.write(path, content)
     except OSError as error:
-        raise OutputError(
-            f"{path}: cannot be written ({error.strerror or error});"
-            " nothing was kept, free some space or choose another place"
-        ) from None
+        raise _unwritten(path, error) from None
     return path
+
+
+def free(path: Path, mark: bytes) -> Path:
+    """Where a file may be written: the place itself, or where its link leads.
+
+    Args:
+        path: where to.
+        mark: what each of our files of this kind holds.
+
+    Raises:
+        OutputError: a file of others is there, or what is no file.
+    """
+    path = path.resolve() if path.is_symlink() else path
+    try:
+        if path.exists() and not path.is_file():
+            raise OutputError(f"{path}: is no file, and is left as it is; choose another place")
+        if path.exists() and not _is_ours(path, mark):
+            raise OutputError(f"{path}: is another file, and is left as it is; choose another name")
+    except OSError as error:
+        raise _unwritten(path, error) from None
+    return path
+
+
+def _unwritten(path: Path, error: OSError) -> OutputError:
+    return OutputError(
+        f"{path}: cannot be written ({error.strerror or error});"
+        " nothing was kept, free some space or choose another place"
+    )
 
 
 def _is_ours(path: Path, mark: bytes) -> bool:

@@ -146,7 +146,7 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
     def _optional(self, options: object) -> dict[str, float]:
         """Parameters that are set for one episode."""
         if not isinstance(options, Mapping) or not options.keys() <= {"set"}:
-            expected = 'expected such as {"set": {"tyre_friction": 0.5}}'
+            expected = 'expected such as {"set": {"name": 1.0}}'
             raise InputError("reset", [f"options={options!r:.100}; {expected}"])
         given = options.get("set", {})
         if not isinstance(given, Mapping):

@@ -70,7 +70,10 @@ def robot(robot: str | Path | None = None, *, out: str | Path | None = None) -> 
     left_out: list[str] = []
     files: list[Path] = []
     if out is not None:
-        for path, content in _contents(made, robot, left_out):
+        contents = list(_contents(made, robot, left_out))
+        for path, content in contents:  # nothing is written where one of them cannot be
+            output.free(Path(out) / path, _mark(path, content))
+        for path, content in contents:
             files.append(output.write(Path(out) / path, content, _mark(path, content)))
     values = built.parameters(made)
     return RobotParts(
@@ -121,10 +124,16 @@ def _seen(scenario: Scenario, made: Robot) -> Scenario:
     """The scenario in which the robot looks as its parts do.
 
     Raises:
-        UnknownName: the scenario has no such body.
+        UnknownName: the scenario has no such body, or it is not the robot's.
     """
-    if made.body not in scenario.bodies:
-        raise UnknownName(f"body of the scenario {scenario.name}", made.body, scenario.bodies)
+    mass_kg = built.body_of(made).mass_kg
+    fitting = [
+        name
+        for name, body in scenario.bodies.items()
+        if not body.fixed and math.isclose(body.mass_kg or 0.0, mass_kg, rel_tol=1e-9)
+    ]
+    if made.body not in fitting:
+        raise UnknownName(f"body of the robot in the scenario {scenario.name}", made.body, fitting)
     body = scenario.bodies[made.body].model_copy(update={"visual": built.drawn(made)})
     return scenario.model_copy(update={"bodies": {**scenario.bodies, made.body: body}})
 
