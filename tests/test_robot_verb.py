@@ -68,6 +68,12 @@ def test_files_of_others_are_left_alone(without_cad, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["wiring.csv"]
 
 
+@pytest.mark.parametrize("name", ["x" * 300, "a\0b"])
+def test_a_folder_that_cannot_be_is_told(without_cad, tmp_path, name):
+    with pytest.raises(OutputError, match="cannot be written"):
+        simcompare.robot(out=tmp_path / name)
+
+
 def test_the_bill_has_every_part_and_the_mass_of_the_whole(without_cad, tmp_path):
     made = simcompare.robot(out=tmp_path)
     bill = rows(tmp_path / "bill_of_materials.csv")

@@ -54,20 +54,20 @@ def free(path: Path, mark: bytes) -> Path:
     Raises:
         OutputError: a file of others is there, or what is no file.
     """
-    path = path.resolve() if path.is_symlink() else path
     try:
+        path = path.resolve() if path.is_symlink() else path
         if path.exists() and not path.is_file():
             raise OutputError(f"{path}: is no file, and is left as it is; choose another place")
         if path.exists() and not _is_ours(path, mark):
             raise OutputError(f"{path}: is another file, and is left as it is; choose another name")
-    except OSError as error:
+    except (OSError, ValueError) as error:  # a name that is too long, or holds what none can
         raise _unwritten(path, error) from None
     return path
 
 
-def _unwritten(path: Path, error: OSError) -> OutputError:
+def _unwritten(path: Path, error: OSError | ValueError) -> OutputError:
     return OutputError(
-        f"{path}: cannot be written ({error.strerror or error});"
+        f"{path}: cannot be written ({getattr(error, 'strerror', None) or error});"
         " nothing was kept, free some space or choose another place"
     )
 
