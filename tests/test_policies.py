@@ -48,7 +48,7 @@ def test_a_policy_may_act_as_it_learnt(tmp_path):
 def test_a_file_brings_back_what_was_saved(tmp_path):
     net = made(5, 8, 8, 2, recipe={"seed": 3, "engine": "toy"})
     net.save(tmp_path / "net.npz")
-    back = policy.load(tmp_path / "net.npz", 5, 2)
+    back = policy.load(str(tmp_path / "net.npz"), 5, 2)
     assert back.recipe == {"seed": 3, "engine": "toy"}
     seen = RNG.normal(size=5)
     # single precision: 24 bits of each of a few dozen products

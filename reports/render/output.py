@@ -39,7 +39,7 @@ def write(path: Path, content: bytes, mark: bytes) -> Path:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         whole.write(path, content)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
         raise _unwritten(path, error) from None
     return path
 
@@ -60,7 +60,7 @@ def free(path: Path, mark: bytes) -> Path:
             raise OutputError(f"{path}: is no file, and is left as it is; choose another place")
         if path.exists() and not _is_ours(path, mark):
             raise OutputError(f"{path}: is another file, and is left as it is; choose another name")
-    except (OSError, ValueError) as error:  # a name that is too long, or holds what none can
+    except OSError as error:
         raise _unwritten(path, error) from None
     return path
 

@@ -62,7 +62,7 @@ class Policy:
         np.savez_compressed(path, recipe=np.array(json.dumps(self.recipe)), **single)
 
 
-def load(path: Path, observations: int, actions: int) -> Policy:
+def load(path: str | Path, observations: int, actions: int) -> Policy:
     """Reads a policy for an environment.
 
     Args:
@@ -74,6 +74,7 @@ def load(path: Path, observations: int, actions: int) -> Policy:
         NoSuchFile: there is none.
         InputError: it is no policy, or one for another environment; all that does not fit.
     """
+    path = Path(path)
     if not path.is_file():
         raise NoSuchFile(path)
     try:
