@@ -73,6 +73,7 @@ def test_a_policy_of_another_environment_is_told_all_at_once(tmp_path):
     [
         ({"mean": np.full(5, np.nan)}, "mean: not all numbers are finite"),
         ({"deviation": np.zeros(5)}, "deviation: not all numbers are above 0"),
+        ({"spread": np.array([0.1, -0.1])}, "spread: a number is below 0"),
     ],
 )
 def test_numbers_that_a_policy_cannot_have_are_told(tmp_path, changes, words):
@@ -90,10 +91,30 @@ def test_what_is_no_policy_is_told(tmp_path):
     np.savez(tmp_path / "other.npz", mean=np.zeros(5))
     with pytest.raises(InputError, match="deviation, spread, weight_0: not in the file"):
         policy.load(tmp_path / "other.npz", 5, 2)
+    np.save(tmp_path / "array.npy", np.zeros(5))
+    with pytest.raises(InputError, match="is no policy"):
+        policy.load(tmp_path / "array.npy", 5, 2)
     # objects would be code that a file brings along
     np.savez(tmp_path / "code.npz", mean=np.array([print], dtype=object))
     with pytest.raises(InputError, match="is no policy"):
         policy.load(tmp_path / "code.npz", 5, 2)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"mean": np.array(["a"] * 5)}, "mean: expected real numbers, found <U1"),
+        ({"mean": np.zeros(5, complex)}, "mean: expected real numbers, found complex128"),
+        ({"recipe": np.array("[1]")}, r"is no policy \(its recipe is \[1\]\)"),
+    ],
+)
+def test_arrays_of_other_kinds_are_told(tmp_path, values, words):
+    made(5, 4, 2).save(tmp_path / "net.npz")
+    with np.load(tmp_path / "net.npz") as file:
+        held = dict(file.items())
+    np.savez(tmp_path / "net.npz", **held | values)
+    with pytest.raises(InputError, match=words):
+        policy.load(tmp_path / "net.npz", 5, 2)
 
 
 def test_wilson_s_interval_is_the_published_one():

@@ -81,7 +81,10 @@ def load(path: str | Path, observations: int, actions: int) -> Policy:
         with np.load(path, allow_pickle=False) as file:
             held = {name: file[name] for name in file.files}
         recipe = json.loads(str(held.pop("recipe", np.array("{}"))))
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        if not isinstance(recipe, dict):
+            raise ValueError(f"its recipe is {recipe!r:.50}")
+    # TypeError: an .npy file, which is one array and no archive
+    except (OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile) as error:
         fault = f"is no policy ({error}); expected an .npz file as Policy.save writes it"
         raise InputError(str(path), [fault]) from None
     if faults := list(_faults(held, observations, actions)):
@@ -102,6 +105,9 @@ def _faults(held: Mapping[str, Array], observations: int, actions: int) -> Seque
     missing = [name for name in wanted if name not in held]
     if missing:
         return [f"{', '.join(missing)}: not in the file; expected an .npz as Policy.save writes it"]
+    odd = [name for name, values in held.items() if values.dtype.kind not in "fiu"]
+    if odd:
+        return [f"{', '.join(odd)}: expected real numbers, found {held[odd[0]].dtype}"]
     found = []
     width, why = observations, "the observation of the environment"
     cure = "take a policy that was learnt in this environment"
@@ -126,4 +132,6 @@ def _faults(held: Mapping[str, Array], observations: int, actions: int) -> Seque
     found += [f"{name}: not all numbers are finite" for name in wrong]
     if "deviation" not in wrong and not (held["deviation"] > 0).all():
         found.append("deviation: not all numbers are above 0")
+    if "spread" not in wrong and not (held["spread"] >= 0).all():
+        found.append("spread: a number is below 0")
     return found
