@@ -179,6 +179,26 @@ def test_nothing_is_told_beyond_the_reach():
     assert (one.read(wall(one, [4.05], 1.0), generator()).status == NOTHING).all()
 
 
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"zones": 5}, "zones is 5; expected 4 or 8 in a row"),
+        ({"geometry": "polar"}, "geometry is 'polar'; expected equal_angle"),
+        ({"seed": -1}, "seed is -1; expected a whole number"),
+        ({"light": 3}, "light is no setting; known: rate_Hz, ambient_klux"),
+        ({"rate_Hz": "15"}, "rate_Hz is '15'; expected more than 0"),
+        ({"rate_Hz": 16}, "rate_Hz is 16; expected more than 0, at most 15"),
+        ({"ambient_klux": -1}, "ambient_klux is -1; expected 0 or more"),
+        ({"ambient_klux": np.inf}, "ambient_klux is inf; expected 0 or more"),
+        ({"temperature_C": np.nan}, "temperature_C is nan; expected a number"),
+        ({"order": "weak"}, "order is 'weak'; expected strongest or closest"),
+    ],
+)
+def test_a_device_that_cannot_be_is_refused(asked, words):
+    with pytest.raises(InputError, match=words):
+        multizone.drawn(**{"seed": 1} | asked)
+
+
 def test_the_same_seed_gives_the_same_frames():
     one, view = device(), wall(device(), np.linspace(0.2, 3, 30), 0.3)
     first, second = (one.read(view, generator(7)) for _ in range(2))

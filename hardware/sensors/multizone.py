@@ -12,7 +12,10 @@ another, mirrors, motion within a frame, and what a shaded sensor does below 2 c
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Literal
 
 import numpy as np
@@ -30,6 +33,11 @@ from simcompare.statistics.streams import stream
 VALID, FIRST, LARGE_PULSE, NEW, NOTHING = 5, 6, 9, 10, 255
 #: those of which half or more can be trusted, by its section 5.5
 TRUSTED = (VALID, FIRST, LARGE_PULSE)
+#: settings of a device, and what each may be
+_SETTINGS: Mapping[str, str] = {
+    "rate_Hz": "more than 0", "ambient_klux": "0 or more", "temperature_C": "a number",
+    "crosstalk": "0 or more", "scatter": "0 or more", "order": "strongest or closest",
+}  # fmt: skip
 Codes = NDArray[np.int_]
 Flags = NDArray[np.bool_]
 
@@ -208,13 +216,21 @@ def drawn(
         settings: other fields of ``Multizone``, such as ``ambient_klux``.
 
     Raises:
-        InputError: the sheet has no zones, or a setting that cannot be.
+        InputError: the sheet has no zones, or a setting that cannot be; all of these at once.
     """
+    faults = list(_faults(zones, seed, geometry, settings))
+    if zones not in (4, 8):
+        raise InputError("range sensor", faults)
     numbers = zone_numbers.load(sheet).numbers(zones)
+    most, rate = numbers.rate_Hz, settings.get("rate_Hz", numbers.rate_Hz)
+    if isinstance(rate, Real) and float(rate) > most:
+        faults.append(f"rate_Hz is {rate}; expected more than 0, at most {most:g}")
+    if faults:
+        raise InputError("range sensor", faults)
     normal = stream(seed, device_name or sheet, "zones", "stays").standard_normal(1 + zones**2)
     stays = np.sqrt(numbers.shared) * normal[0] + np.sqrt(1 - numbers.shared) * normal[1:]
-    rate = {"rate_Hz": numbers.rate_Hz} | settings
-    return _checked(Multizone(numbers, zones, geometry, stays, **rate))  # type: ignore[arg-type]
+    own = {"rate_Hz": most} | settings
+    return Multizone(numbers, zones, geometry, stays, **own)  # type: ignore[arg-type]
 
 
 def ideal(device: Multizone) -> Multizone:
@@ -222,17 +238,24 @@ def ideal(device: Multizone) -> Multizone:
     return replace(device, stays=np.zeros_like(device.stays), scatter=0.0)
 
 
-def _checked(device: Multizone) -> Multizone:
-    most = device.numbers.rate_Hz
-    faults = [
-        f"{name} is {getattr(device, name):g}; expected 0 or more"
-        for name in ("ambient_klux", "crosstalk", "scatter")
-        if not getattr(device, name) >= 0
-    ]
-    if not 0 < device.rate_Hz <= most:
-        faults.append(f"rate_Hz is {device.rate_Hz:g}; expected more than 0, at most {most:g}")
-    if device.order not in ("strongest", "closest"):
-        faults.append(f"order is {device.order}; expected strongest or closest")
-    if faults:
-        raise InputError("range sensor", faults)
-    return device
+def _faults(zones: int, seed: int, geometry: str, settings: Mapping[str, object]) -> Iterator[str]:
+    """What a device cannot be."""
+    if zones not in (4, 8):
+        yield f"zones is {zones!r}; expected 4 or 8 in a row"
+    if seed < 0:
+        yield f"seed is {seed}; expected a whole number of at least 0"
+    if geometry not in ("equal_angle", "rectilinear"):
+        yield f"geometry is {geometry!r}; expected equal_angle or rectilinear"
+    for name, value in settings.items():
+        if name not in _SETTINGS:
+            yield f"{name} is no setting; known: {', '.join(_SETTINGS)}"
+        elif not _may_be(name, value):
+            yield f"{name} is {value!r}; expected {_SETTINGS[name]}"
+
+
+def _may_be(name: str, value: object) -> bool:
+    if name == "order":
+        return value in ("strongest", "closest")
+    if not isinstance(value, Real) or not math.isfinite(value):
+        return False
+    return name == "temperature_C" or float(value) > 0 or (value == 0 and name != "rate_Hz")
