@@ -212,7 +212,7 @@ def _result(request: Request) -> Response:
 def _share(request: Request) -> Response:
     lab = _lab(request)
     if not lab.address:
-        raise Refused(404, "not_shared")
+        return said(request, {})
     warning = say(language(request), "share_warning")
     return said(request, {"url": lab.address, "qr_svg": lab.code, "sentence": warning})
 

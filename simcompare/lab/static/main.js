@@ -7,11 +7,20 @@ import { language, words } from "/static/words.js";
 const asked = new URLSearchParams(location.search);
 const GROUP = "simcompare.group";
 
+// a browser may keep nothing of a page
+function remembered(ask) {
+  try {
+    return ask(localStorage);
+  } catch {
+    return null;
+  }
+}
+
 // a name of its own for each device, until its users say one
 function group() {
   const box = byId("group");
   if (!box.value.trim()) box.value = words("page.group_start", { number: crypto.getRandomValues(new Uint16Array(1))[0] });
-  localStorage.setItem(GROUP, box.value);
+  remembered((store) => store.setItem(GROUP, box.value));
   return box.value.trim();
 }
 
@@ -40,7 +49,7 @@ function made(one, real) {
 
 async function share() {
   const found = await get("/api/share").catch(() => null);
-  if (!found) return;
+  if (!found?.url) return;
   byId("share").hidden = false;
   byId("qr").append(document.importNode(new DOMParser().parseFromString(found.qr_svg, "image/svg+xml").documentElement, true));
   Object.assign(byId("share-url"), { href: found.url, textContent: found.url });
@@ -58,7 +67,7 @@ function languages() {
   }
 }
 
-byId("group").value = asked.get("group") ?? localStorage.getItem(GROUP) ?? "";
+byId("group").value = asked.get("group") ?? remembered((store) => store.getItem(GROUP)) ?? "";
 const drop = new Drop(group), real = new Real(group, drop);
 byId("expert").addEventListener("change", (event) => expert(event.target.checked));
 byId("group").addEventListener("change", () => stored(real));

@@ -81,6 +81,7 @@ async function show() {
 
 async function showCode() {
   const told = await ask("/api/share");
+  if (!told.url) return; // a lab that is not shared has none
   const picture = made("img", "", { alt: told.url, width: 280 });
   picture.src = `data:image/svg+xml;utf8,${encodeURIComponent(told.qr_svg)}`;
   byId("code").replaceChildren(picture, made("p", told.url), made("p", told.sentence));
@@ -97,7 +98,7 @@ async function tried(what) {
 
 async function enter() {
   await show();
-  await showCode().catch(() => {}); // a lab that is not shared has none
+  await showCode();
   clearInterval(timer);
   timer = setInterval(() => tried(show), 5000);
 }
