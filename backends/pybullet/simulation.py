@@ -128,8 +128,9 @@ class PybulletSimulation(ReducedSimulation):
 
     def contact_points(self, first: str, second: str) -> Iterable[tuple[float, float]]:
         (uid, link), (other, end) = self.built.bodies[first], self.built.bodies[second]
-        points = self._bullet.getContactPoints(uid, other, link, end)
-        return [(point[9], point[8]) for point in points]
+        return [
+            (point[9], point[8]) for point in self._bullet.getContactPoints(uid, other, link, end)
+        ]
 
     def record(self, count: int) -> Any:
         """The core's loop, with as little around it as can be for a single body."""
@@ -240,10 +241,15 @@ class PybulletSimulation(ReducedSimulation):
             if not self.scene.joints[name].law.friction:
                 motor = {"VELOCITY_CONTROL force": (0.0, None)}
                 audit.add_without_getter(f"{name}.friction", motor, is_given=given, stated=0.0)
-        bouncing = _SET_BOUNCING if self.scene.contacts.bounces else {}
-        gap = {"contactProcessingThreshold": (self.scene.contact_gap_m, None)}
-        own = {k: (v, None) for part in self.built.recipe for k, v in part.items()}
-        own |= {name: (value, None) for name, value in self.scene.settings.own}
-        other = {k: v for k, v in (_SET | bouncing | gap).items() if k not in own}
+        usual = {
+            **_SET, **(_SET_BOUNCING if self.scene.contacts.bounces else {}),
+            "contactProcessingThreshold": (self.scene.contact_gap_m, None),
+        }  # fmt: skip
+        own = {
+            name: (value, None)
+            for part in (*self.built.recipe, dict(self.scene.settings.own))
+            for name, value in part.items()
+        }
+        other = {k: v for k, v in usual.items() if k not in own}
         audit.add_without_getter("contact", other, is_given=is_tuned)
         audit.add_without_getter("contact", own, is_given=True)
