@@ -50,7 +50,7 @@ $(INSTALLED)-test: pyproject.toml tools/install.py $(BIN)/pip
 	@$(BIN)/python tools/install.py $(ENGINES) check
 	@$(libraries)
 	@$(checker)
-	@$(BIN)/python tools/install.py $(ENGINES) hardware web test
+	@$(BIN)/python tools/install.py $(ENGINES) hardware web gym test
 	@touch $@
 
 # Debian and Ubuntu keep venv in a package of its own; Ubuntu 22.04 keeps a newer Python beside its own

@@ -56,8 +56,9 @@ def test_wheels_drawn_as_cylinders_tell_engines_apart_though_all_have_the_coeffi
     found = {(s.source, s.contact): s for s in run.record.scores if s.measure == "acceleration"}
     truth = found[SPATIAL[0], ASSISTED].truth
     apart = [abs(found[name, COEFFICIENTS].value / truth - 1) for name in SPATIAL]
-    # measured: 46 % for the engine that finds one point of a line, less than 0.1 % for the others
-    assert max(apart) > 0.3
+    # measured: 13 % for the engine that finds one point of a line (46 % where the robot has other
+    # moments of inertia), less than 0.5 % for the others
+    assert max(apart) > 0.1
     assert min(apart) < 0.003
     assert {found[name, COEFFICIENTS].verdict for name in SPATIAL} == {"info"}
     assert {found[name, ASSISTED].verdict for name in SPATIAL} == {"pass"}

@@ -22,6 +22,7 @@ PIP = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version
 #: what an extra is, for people
 MEANING = {
     "hardware": "readers of logs", "web": "the lab in the browser", "test": "tools of the tests",
+    "gym": "environments to learn in",
 }  # fmt: skip
 #: time between two looks at how far a step is
 EVERY_S = 2.0
