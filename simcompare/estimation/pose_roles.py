@@ -6,6 +6,12 @@ from dataclasses import dataclass, replace
 
 from simcompare.estimation.estimators import FAR, Option, Role
 
+
+def _state(what: str, reading: str) -> Option:
+    """Whether a constant error of a reading is a state: 1, or 0 where it is not."""
+    return Option(f"1: {what}", 0.0, 0.0, 1.0, bias_of=reading)
+
+
 TITLE = "Pose of a robot on two wheels"
 #: what odometry shares
 WHEELS = {
@@ -87,39 +93,21 @@ OPTIONS = {
         0.0,
     ),
     "imu_late_s": Option("by how much accelerometer and gyroscope are late", 0.0, 0.0, 1.0),
-    "bias": Option("1: the gyroscope's bias is a state", 0.0, 0.0, 1.0, bias_of="turning_rate"),
+    "bias": _state("the gyroscope's bias is a state", "turning_rate"),
     "u_bias_rad_s": Option("standard uncertainty of the bias at the start", 0.35, 1e-9),
-    "scale": Option(
-        "1: the part by which the gyroscope reads too much is a state",
-        0.0,
-        0.0,
-        1.0,
-        bias_of="turning_rate",
-    ),
+    "scale": _state("the part by which the gyroscope reads too much is a state", "turning_rate"),
     "u_scale": Option("standard uncertainty of that part at the start", 0.03, 1e-9),
-    "acceleration_bias": Option(
-        "1: the accelerometer's bias is a state", 0.0, 0.0, 1.0, bias_of="acceleration"
-    ),
+    "acceleration_bias": _state("the accelerometer's bias is a state", "acceleration"),
     "u_acceleration_bias_m_s2": Option("standard uncertainty of it at the start", 0.5, 1e-9),
-    "acceleration_scale": Option(
-        "1: the part by which the accelerometer reads too much is a state",
-        0.0,
-        0.0,
-        1.0,
-        bias_of="acceleration",
+    "acceleration_scale": _state(
+        "the part by which the accelerometer reads too much is a state", "acceleration"
     ),
     "u_acceleration_scale": Option("standard uncertainty of that part at the start", 0.03, 1e-9),
     "accelerometer_ahead_m": Option("place of the accelerometer ahead of the axle", 0.0, -FAR),
-    "range_bias": Option(
-        "1: what all ranges read too long is a state", 0.0, 0.0, 1.0, bias_of="range"
-    ),
+    "range_bias": _state("what all ranges read too long is a state", "range"),
     "u_range_bias_m": Option("standard uncertainty of that at the start", 0.1, 1e-9),
-    "wall_scale": Option(
-        "1: the part by which ranges to the wall are too long is a state",
-        0.0,
-        0.0,
-        1.0,
-        bias_of="wall_range",
+    "wall_scale": _state(
+        "the part by which ranges to the wall are too long is a state", "wall_range"
     ),
     "u_wall_scale": Option("standard uncertainty of that part at the start", 0.03, 1e-9),
     # 5: one right reading in 1.7 million. √χ²₀.₉₉ = 2.576 refuses one in a hundred; what is left of
