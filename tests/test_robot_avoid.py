@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from simcompare.engine.range_sensing import middle_rays
 from simcompare.errors import InputError
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.robot_avoid import drawing, reference, seeing, task
@@ -64,7 +65,7 @@ def test_gaps_are_those_to_walls_boxes_and_posts():
 
 
 def test_zones_share_45_degrees_from_above_left():
-    rays = seeing.zone_directions()
+    rays, _ = middle_rays(seeing.ZONES)
     np.testing.assert_allclose(np.linalg.norm(rays, axis=1), 1, atol=1e-15)
     x, y, z = rays[0]
     assert math.degrees(math.atan2(y, x)) == pytest.approx(19.6875)
@@ -81,12 +82,12 @@ def test_rays_meet_walls_boxes_posts_and_the_floor():
     given |= {"arena_x_m": 0.1, "arena_y_m": 0.0, "arena_turn_rad": 0.5}
     given |= {"box_1_x_m": 0.5, "box_1_y_m": 0.0, "box_1_size_m": 0.2, "box_1_turn_rad": 0.3}
     given |= {"post_1_x_m": 0.0, "post_1_y_m": 0.4, "post_1_radius_m": 0.05}
-    scene = seeing.Standing(FILE.resolve(given))
+    scene = seeing.standing(FILE.resolve(given))
     eye, slope = np.array((0.0, 0.0, 0.06)), math.radians(-20)
     back = (-math.cos(0.5), -math.sin(0.5), 0)
     down = (0, math.cos(slope), math.sin(slope))
     rays = np.array([(1, 0, 0), (0, 1, 0), down, (0, 0, 1), back])
-    found = scene.distances(eye, rays)
+    found, _ = scene.distances(eye, rays)
     assert found[0] == pytest.approx(0.5 - 0.1 / math.cos(0.3), abs=1e-12)
     assert found[1] == pytest.approx(0.35, abs=1e-12)
     assert found[2] == pytest.approx(0.06 / math.sin(-slope), abs=1e-12)

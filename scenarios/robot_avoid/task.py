@@ -8,12 +8,13 @@ from typing import Protocol
 
 import numpy as np
 
+from simcompare.engine.range_sensing import middle_rays
 from simcompare.errors import InputError
 from simcompare.model.rotations import rotate
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
 from simcompare.scenarios.robot_avoid.drawing import ROBOT_RADIUS_M, Plan, draw
-from simcompare.scenarios.robot_avoid.seeing import RangeErrors, Standing, zone_directions
+from simcompare.scenarios.robot_avoid.seeing import ZONES, RangeErrors, standing
 
 __all__ = ["ACTIONS", "CONTROL_HZ", "LONGEST", "OBSERVATIONS", "Episode", "draw"]
 
@@ -58,9 +59,9 @@ class Episode:
         self._most_V, self._radius_m, self._track_m = (
             p["voltage_V"], p["wheel_radius_m"], p["track_m"],
         )  # fmt: skip
-        self._plan, self._seen = Plan(p), Standing(scenario)
+        self._plan, self._seen = Plan(p), standing(scenario)
         self._errors = RangeErrors(sensors, rng)
-        self._rays = np.vstack((EYE_M, zone_directions()))
+        self._rays = np.vstack((EYE_M, middle_rays(ZONES)[0]))
         self._last, self._change = np.zeros(ACTIONS), np.zeros(ACTIONS)
         # a frame of 8×8 zones takes a fifteenth of a second; it is held until the next one
         self._every, self._count = math.ceil(control_Hz / FRAMES_HZ - 1e-9), 0
@@ -105,7 +106,7 @@ class Episode:
     def _look(self, position: Sequence[float], turn: Sequence[float]) -> None:
         """Takes a frame."""
         turned = rotate(np.array([turn]), self._rays)
-        true_m = self._seen.distances(turned[0] + position, turned[1:])
+        true_m, _ = self._seen.distances(turned[0] + position, turned[1:])
         # the chip reports the distance along its axis
         ranges, valid = self._errors.read(true_m * self._rays[1:, 0])
         self._nearest_m = float(ranges[valid].min(initial=_REACH_M))

@@ -57,12 +57,17 @@ def zone_rays(zones: int, geometry: str = "equal_angle", in_a_row: int = 1) -> A
     return found
 
 
-def rays_of(sensor: Sensor) -> tuple[Array, Array]:
+def middle_rays(zones: int, geometry: str = "equal_angle") -> tuple[Array, Array]:
     """Unit vectors (zones², 3) in the middle of each zone, and how long they are until x = 1."""
-    assert sensor.zones is not None
-    rays = zone_rays(sensor.zones, sensor.geometry or "equal_angle")[:, 0]
+    rays = zone_rays(zones, geometry)[:, 0]
     lengths = np.linalg.norm(rays, axis=1)
     return rays / lengths[:, None], lengths
+
+
+def rays_of(sensor: Sensor) -> tuple[Array, Array]:
+    """The same of a sensor."""
+    assert sensor.zones is not None
+    return middle_rays(sensor.zones, sensor.geometry or "equal_angle")
 
 
 def read_through(
