@@ -52,13 +52,14 @@ def test_a_robot_stands_still_by_default_and_drives_with_coefficients(engine):
 
 @pytest.mark.engines("pybullet")
 def test_wheels_drawn_as_cylinders_tell_engines_apart_though_all_have_the_coefficients():
-    run = simcompare.run("robot_cylinder", contact="coefficients,assisted")
+    # how far that goes hangs on the moments of inertia: it is 13 % with those of our robot
+    shares = {"roll_inertia_share": 0.55, "pitch_inertia_share": 0.55}
+    run = simcompare.run("robot_cylinder", contact="coefficients,assisted", set=shares)
     found = {(s.source, s.contact): s for s in run.record.scores if s.measure == "acceleration"}
     truth = found[SPATIAL[0], ASSISTED].truth
     apart = [abs(found[name, COEFFICIENTS].value / truth - 1) for name in SPATIAL]
-    # measured: 13 % for the engine that finds one point of a line (46 % where the robot has other
-    # moments of inertia), less than 0.5 % for the others
-    assert max(apart) > 0.1
+    # measured: 46 % for the engine that finds one point of a line, less than 0.1 % for the others
+    assert max(apart) > 0.3
     assert min(apart) < 0.003
     assert {found[name, COEFFICIENTS].verdict for name in SPATIAL} == {"info"}
     assert {found[name, ASSISTED].verdict for name in SPATIAL} == {"pass"}
