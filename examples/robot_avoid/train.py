@@ -1,9 +1,10 @@
 """Learns robot_avoid by PPO of Stable-Baselines3, and writes a policy that NumPy alone runs.
 
     pip install 'simcompare[learn,mujoco]'
-    python examples/robot_avoid/train.py --engine mujoco --sensors 0 --minutes 15 policy.npz
+    python examples/robot_avoid/train.py --engine mujoco --sensors 0 --seed 1 policy.npz
 
-With --parallel each of the eight environments has a process of its own.
+The same seed learns the same policy on the same kind of machine. With --parallel each of the eight
+environments has a process of its own.
 """
 
 import argparse
@@ -27,7 +28,7 @@ HYPERPARAMETERS = {
     "gae_lambda": 0.95, "ent_coef": 0.002,
 }  # fmt: skip
 LAYERS = [64, 64]
-#: part of the time, at its end, in which the learning rate falls to nothing
+#: part of the steps, at their end, in which the learning rate falls to nothing
 FALLING = 0.3
 #: MuJoCo's step while it learns; half as many steps as usual, and the same motion to a millimetre
 STEP_S = 0.002
@@ -41,28 +42,29 @@ def opened(engine, sensors, seed):
 
 
 class Watch(BaseCallback):
-    """Stops after a time, learns ever slower at its end, and tells how far it has come."""
+    """Learns ever slower at its end, and tells how far it has come."""
 
-    def __init__(self, seconds):
+    def __init__(self, steps):
         super().__init__()
-        self.end, self.next = time.monotonic() + seconds, 0.0
-        self.slow_s = FALLING * seconds
+        self.steps, self.next = steps, 0.0
 
     def _on_step(self):
-        return time.monotonic() < self.end
+        return True
 
     def _on_rollout_end(self):
-        left = min(1.0, max(0.02, (self.end - time.monotonic()) / self.slow_s))
-        self.model.lr_schedule = lambda _: left * HYPERPARAMETERS["learning_rate"]
+        left = (self.steps - self.num_timesteps) / (FALLING * self.steps)
+        rate = min(1.0, max(0.02, left)) * HYPERPARAMETERS["learning_rate"]
+        self.model.lr_schedule = lambda _: rate
         if time.monotonic() < self.next or not self.model.ep_info_buffer:
             return
         self.next = time.monotonic() + 10
         ends = self.model.ep_info_buffer
         shares = (np.mean([end[what] for end in ends]) for what in ("is_success", "collided"))
-        print(f"{self.num_timesteps} steps: {{:.0%}} succeed, {{:.0%}} collide".format(*shares))
+        done = f"{self.num_timesteps} of {self.steps} steps"
+        print(f"{done}: {{:.0%}} succeed, {{:.0%}} collide".format(*shares), flush=True)
 
 
-def learn(engine, sensors, seed, minutes, *, parallel=False):
+def learn(engine, sensors, seed, steps, *, parallel=False):
     """Learns, and gives the policy."""
     torch.set_num_threads(1)
     # seeds of episodes stay below those that trials take
@@ -76,7 +78,7 @@ def learn(engine, sensors, seed, minutes, *, parallel=False):
         policy_kwargs={"net_arch": {"pi": LAYERS, "vf": LAYERS}, "log_std_init": -0.5},
     )  # fmt: skip
     started = time.monotonic()
-    model.learn(10**9, callback=Watch(60 * minutes))
+    model.learn(steps, callback=Watch(steps))
     recipe = {
         "scenario": "robot_avoid", "engine": engine, "sensors": sensors, "seed": seed,
         "steps": model.num_timesteps, "minutes": round((time.monotonic() - started) / 60, 1),
@@ -104,8 +106,8 @@ if __name__ == "__main__":
     parser.add_argument("--engine", default="mujoco")
     parser.add_argument("--sensors", type=float, default=0.0)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--minutes", type=float, default=15.0)
+    parser.add_argument("--steps", type=int, default=400_000)
     parser.add_argument("--parallel", action="store_true")
     asked = parser.parse_args()
-    learnt = learn(asked.engine, asked.sensors, asked.seed, asked.minutes, parallel=asked.parallel)
+    learnt = learn(asked.engine, asked.sensors, asked.seed, asked.steps, parallel=asked.parallel)
     learnt.save(asked.file)

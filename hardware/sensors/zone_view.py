@@ -8,6 +8,7 @@ import numpy as np
 
 from simcompare.engine.kinematics import placed_on
 from simcompare.engine.ray_scene import RayScene
+from simcompare.engine.rays import Hits
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.sensors.multizone import Frames, Multizone, View
 from simcompare.model.rotations import rotate
@@ -53,8 +54,21 @@ def view(
     seen = RayScene(scenario, own.body or "")
     hits = seen.cast(place, along, signals)
     matt = np.array([*_reflectances(seen, scenario, reflectance or {}), 0.0])
-    cosine = -np.einsum("nki,nki->nk", hits.normal, along)
-    shape = (count, device.zones**2, -1)
+    return seen_by(hits, along, lengths, matt, device.zones)
+
+
+def seen_by(hits: Hits, along: Array, lengths: Array, matt: Array, zones: int = 8) -> View:
+    """What rays meet, as a sensor needs it.
+
+    Args:
+        hits: of n frames with k rays, or of k rays for a single frame.
+        along: unit vectors (n, k, 3) or (k, 3).
+        lengths: of these rays until x = 1 m in the sensor's frame (k,).
+        matt: reflectance of what ``hits.index`` counts, and 0 for nothing at the end.
+        zones: in a row.
+    """
+    cosine = -np.einsum("...ki,...ki->...k", hits.normal, along)
+    shape = (-1, zones**2, along.shape[-2] // zones**2)
     return View(
         (hits.distance_m / lengths).reshape(shape), cosine.reshape(shape),
         matt[hits.index].reshape(shape),

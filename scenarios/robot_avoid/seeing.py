@@ -1,54 +1,103 @@
-"""What a range sensor sees of an arena, and how wrong it is."""
+"""What the range sensor of the robot tells of an arena: as an ideal one, or as a real one would."""
 
 from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.engine.kinematics import placed_shapes
+from simcompare.engine.range_sensing import REACH_M
 from simcompare.engine.rays import Solids
+from simcompare.hardware.sensors import multizone
+from simcompare.hardware.sensors.zone_view import seen_by
+from simcompare.model.rotations import rotate
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
 
-#: zones on a side
-ZONES = 8
+#: where the sensor looks from, in the chassis' frame [m]: ahead of the axle
+EYE_M = (0.06, 0.0, 0.02)
+#: rays on a side of a zone, enough to see two things in one; an ideal sensor has one ray
+RAYS = 2
+
+Flags = NDArray[np.bool_]
 
 
-def standing(scenario: Scenario) -> Solids:
-    """All that is fixed in a scene, to be met by rays."""
-    fixed = (body for body in scenario.bodies.values() if body.fixed)
-    return Solids([shape for body in fixed for shape in placed_shapes(body, body.shapes)])
+def standing(scenario: Scenario) -> tuple[Solids, list[str]]:
+    """All that is fixed in a scene, to be met by rays, and which body each shape is of."""
+    fixed = {name: body for name, body in scenario.bodies.items() if body.fixed}
+    placed = [(n, shape) for n, body in fixed.items() for shape in placed_shapes(body, body.shapes)]
+    return Solids([shape for _, shape in placed]), [name for name, _ in placed]
 
 
-class RangeErrors:
-    """Errors of a multizone time-of-flight sensor, drawn anew for each episode.
-
-    Half of the limits is common to all zones, the other half each zone's own. The data sheet
-    DS13754 of the VL53L5CX is their source as a third party quotes it, none of it confirmed here;
-    noise and losses are assumptions: 1 % and at least 3 mm, and one zone in twenty.
+class Eye:
+    """A VL53L5CX: ideal, or as its data sheet describes it; then device, light and surfaces differ.
 
     Args:
-        factor: how many times as large as the sheet's; 0 for none.
-        rng: what is drawn from.
+        scenario: the scene.
+        factor: how many times as large as the sheet's its errors are, and the light on the scene;
+            0 for a sensor that reads the distance along one ray in each zone at once.
+        control_Hz: how often it is asked; a frame is held until the next one.
+        rng: what the device, the light, the reflectances and all scatter are drawn from.
     """
 
-    #: limits of accuracy: near [m], far as a part; where far begins [m]
-    NEAR_M, FAR, FAR_FROM_M = 0.015, 0.05, 0.2
-    NOISE, LEAST_NOISE_M, LOST, COUNT_M, REACH_M = 0.01, 0.003, 0.05, 0.001, 4.0
+    def __init__(
+        self, scenario: Scenario, factor: float, control_Hz: float, rng: np.random.Generator
+    ) -> None:
+        self._solids, owners = standing(scenario)
+        sheet = multizone.drawn(seed=int(rng.integers(2**32)))
+        numbers, self._is_ideal, self._rng = sheet.numbers, factor == 0, rng
+        self._device = replace(
+            sheet, stays=factor * sheet.stays, scatter=factor,
+            ambient_klux=factor * float(rng.uniform(0, numbers.ambient_klux)),
+        )  # fmt: skip
+        matt = {name: rng.uniform(numbers.grey, numbers.white) for name in dict.fromkeys(owners)}
+        self._matt = np.array([*(matt[name] for name in owners), 0.0])
+        rays = sheet.rays(1 if self._is_ideal else RAYS).reshape(-1, 3)
+        self._lengths = np.linalg.norm(rays, axis=1)
+        self._rays = np.vstack((EYE_M, rays / self._lengths[:, None]))
+        self._every, self._asked = math.ceil(control_Hz / sheet.rate_Hz - 1e-9), 0
+        self._late = 0.0 if self._is_ideal else sheet.latency_s * control_Hz
+        self._poses: deque[Array] = deque(maxlen=math.ceil(self._late) + 1)
+        self._found: Flags | None = None
 
-    def __init__(self, factor: float, rng: np.random.Generator) -> None:
-        self.factor, self._rng = factor, rng
-        self._bias = (rng.uniform(-0.5, 0.5) + rng.uniform(-0.5, 0.5, ZONES**2)) * factor
+    def see(self, pose: Array) -> tuple[Array, Flags]:
+        """Its latest frame: ranges (64,) [m] along its axis, and whether each can be trusted.
 
-    def read(self, true_m: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Readings (64,) [m] and whether each is valid, from true ranges."""
-        valid = true_m < self.REACH_M
-        if not self.factor:
-            return np.where(valid, true_m, self.REACH_M), valid
-        true_m = np.minimum(true_m, self.REACH_M)
-        limit = np.where(true_m < self.FAR_FROM_M, self.NEAR_M, self.FAR * true_m)
-        noise = self.factor * np.maximum(self.LEAST_NOISE_M, self.NOISE * true_m)
-        found = true_m + self._bias * limit + noise * self._rng.standard_normal(len(true_m))
-        valid &= self._rng.random(len(true_m)) >= self.LOST * self.factor
-        counted = np.clip(np.round(found / self.COUNT_M) * self.COUNT_M, 0, self.REACH_M)
-        return np.where(valid, counted, self.REACH_M), valid
+        What cannot is told as its reach.
+
+        Args:
+            pose: of the chassis now (7,): position [m] and quaternion.
+        """
+        self._poses.append(pose)
+        if self._asked % self._every == 0:
+            self._frame = self._look(self._pose_then())
+        self._asked += 1
+        return self._frame
+
+    def _pose_then(self) -> Array:
+        """The pose in the middle of the frame, between those that were noted."""
+        back = min(self._late, len(self._poses) - 1)
+        later = int(back)
+        if back == later:
+            return self._poses[-1 - later]
+        part = back - later
+        pose = (1 - part) * self._poses[-1 - later] + part * self._poses[-2 - later]
+        pose[3:] /= np.linalg.norm(pose[3:])
+        return pose
+
+    def _look(self, pose: Array) -> tuple[Array, Flags]:
+        turned = rotate(pose[None, 3:], self._rays)
+        place, along = turned[0] + pose[:3], turned[1:]
+        if self._is_ideal:
+            ranges = self._solids.distances(place, along)[0] / self._lengths
+            valid = ranges < REACH_M
+        else:
+            seen = seen_by(self._solids.cast(place, along), along, self._lengths, self._matt)
+            frame = self._device.read(seen, self._rng, self._found)
+            ranges, valid = frame.range_m[0], frame.valid[0]
+            self._found = frame.targets[0] > 0
+        return np.where(valid, ranges, REACH_M), valid

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
 
-from simcompare.engine.range_sensing import middle_rays
+from simcompare.engine.range_sensing import REACH_M
 from simcompare.errors import InputError
-from simcompare.model.rotations import rotate
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
 from simcompare.scenarios.robot_avoid.drawing import ROBOT_RADIUS_M, Plan, draw
-from simcompare.scenarios.robot_avoid.seeing import ZONES, RangeErrors, standing
+from simcompare.scenarios.robot_avoid.seeing import Eye
 
 __all__ = ["ACTIONS", "CONTROL_HZ", "LONGEST", "OBSERVATIONS", "Episode", "draw"]
 
@@ -22,14 +21,12 @@ __all__ = ["ACTIONS", "CONTROL_HZ", "LONGEST", "OBSERVATIONS", "Episode", "draw"
 OBSERVATIONS = 64 + 64 + 3 + 2 + 2
 #: voltages of the left and of the right motor, as a part of the most
 ACTIONS = 2
-CONTROL_HZ, FRAMES_HZ = 10.0, 15.0
+CONTROL_HZ = 10.0
 #: control steps after which an episode is cut off
 LONGEST = 300
 GOAL_M = 0.10
-#: where the sensor looks from, in the chassis' frame [m]: ahead of the axle
-EYE_M = (0.06, 0.0, 0.02)
 #: what distances, speeds and rates are divided by
-_REACH_M, _ARENA_M, _SPEED_M_S, _RATE_RAD_S = 4.0, 2.8, 0.3, 5.0
+_ARENA_M, _SPEED_M_S, _RATE_RAD_S = 2.8, 0.3, 5.0
 
 
 class Steering(Protocol):
@@ -44,7 +41,7 @@ class Episode:
 
     Args:
         scenario: the scene.
-        sensors: how large the range sensor's errors are: 0 none, 1 those of its data sheet.
+        sensors: how large the range sensor's errors are: 0 ideal, 1 those of its data sheet.
         control_Hz: how often the robot acts.
         rng: what the sensor's errors are drawn from.
 
@@ -59,12 +56,8 @@ class Episode:
         self._most_V, self._radius_m, self._track_m = (
             p["voltage_V"], p["wheel_radius_m"], p["track_m"],
         )  # fmt: skip
-        self._plan, self._seen = Plan(p), standing(scenario)
-        self._errors = RangeErrors(sensors, rng)
-        self._rays = np.vstack((EYE_M, middle_rays(ZONES)[0]))
+        self._plan, self._eye = Plan(p), Eye(scenario, sensors, control_Hz, rng)
         self._last, self._change = np.zeros(ACTIONS), np.zeros(ACTIONS)
-        # a frame of 8×8 zones takes a fifteenth of a second; it is held until the next one
-        self._every, self._count = math.ceil(control_Hz / FRAMES_HZ - 1e-9), 0
         x, y, _ = scenario.bodies["chassis"].position_m
         if faults := self._plan.faults(x, y):
             raise InputError(f"arena of {scenario.name}", faults)
@@ -84,9 +77,8 @@ class Episode:
         position, turn = read["chassis.position_m"], read["chassis.orientation_wxyz"]
         assert isinstance(position, tuple)
         assert isinstance(turn, tuple)
-        if self._count % self._every == 0:
-            self._look(position, turn)
-        self._count += 1
+        ranges, valid = self._eye.see(np.array((*position, *turn)))
+        self._nearest_m = float(ranges[valid].min(initial=REACH_M))
         left, right = read["left.rate_rad_s"], read["right.rate_rad_s"]
         assert isinstance(left, float)
         assert isinstance(right, float)
@@ -100,17 +92,8 @@ class Episode:
             (right - left) * self._radius_m / self._track_m / _RATE_RAD_S,
         )  # fmt: skip
         self._now = (position[0], position[1])
-        whole = np.concatenate((self._frame, own, self._last))
+        whole = np.concatenate((ranges / REACH_M, valid, own, self._last))
         return np.asarray(np.clip(whole, -10, 10), dtype=float)
-
-    def _look(self, position: Sequence[float], turn: Sequence[float]) -> None:
-        """Takes a frame."""
-        turned = rotate(np.array([turn]), self._rays)
-        true_m, _ = self._seen.distances(turned[0] + position, turned[1:])
-        # the chip reports the distance along its axis
-        ranges, valid = self._errors.read(true_m * self._rays[1:, 0])
-        self._nearest_m = float(ranges[valid].min(initial=_REACH_M))
-        self._frame = np.concatenate((ranges / _REACH_M, valid))
 
     def judge(self) -> tuple[float, bool, Mapping[str, float]]:
         """Reward of the control step that has just been taken, whether all is over, and numbers.
