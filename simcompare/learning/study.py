@@ -62,6 +62,7 @@ def try_all(
     engines: Sequence[str],
     sensors: Sequence[float],
     episodes: int,
+    step_s: float | None = None,
 ) -> Iterator[Row]:
     """Tries policies, one row after another, the first file first.
 
@@ -71,12 +72,13 @@ def try_all(
         engines: where they are tried.
         sensors: how large the errors are.
         episodes: of each row; they are the same ones in all rows.
+        step_s: engine step [s]; ``None``: that of the scenario.
 
     Raises:
         InputError: a file is no policy for the scenario.
     """
     for file, engine, errors in itertools.product(files, engines, sensors):
-        environment = Environment(Asked(scenario, engine, sensors=errors))
+        environment = Environment(Asked(scenario, engine, sensors=errors, step_s=step_s))
         seen, done = environment.observation_space.shape[0], environment.action_space.shape[0]
         act = policy.load(file, seen, done)
         # it acts as it learnt; the same draws in every row
