@@ -86,6 +86,20 @@ def test_a_half_sentence_is_said_once():
     assert second == "Assisted, 0.800 in all 3."
 
 
+def test_where_all_is_right_a_half_sentence_without_a_value_tells_none():
+    told = {**ANSWER, "within": "the ball bounces as it should", "outside": "it bounces {value}"}
+    run = met(
+        answered(
+            [*level("default", north=0.8, south=0.8), *level("tuned", north=0.8, south=0.3),
+             *level("assisted", north=0.8, south=0.8)],
+            answer=told,
+        )
+    )  # fmt: skip
+    text = " ".join(short(run))
+    assert text.count("the ball bounces as it should in") == 3
+    assert "0.8" not in text
+
+
 def test_engines_that_are_off_are_named_with_what_they_have():
     run = met(answered(level("tuned", a=0.8, b=0.8, c=0.801, d=0.9)))
     assert short(run) == (

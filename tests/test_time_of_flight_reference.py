@@ -72,7 +72,7 @@ def test_the_picture_is_judged_by_its_worst_zone_and_by_how_many_are_wrong():
     seen[2, 7], seen[4, 0] = 2.5, 1.995
     pairs = range_picture.against(measured(seen), measured(true))
     assert pairs["range_error"] == (0.5, 0.0)
-    assert pairs["wrong_part"] == (1 / (3 * 64), 0.0)
+    assert pairs["share_of_wrong_readings"] == (1 / (3 * 64), 0.0)
     assert pairs["nearest"] == (1.995, 2.0)
     np.testing.assert_allclose(measured(seen).series["nearest_range"], [2, 2, 1.995])
 
@@ -80,4 +80,4 @@ def test_the_picture_is_judged_by_its_worst_zone_and_by_how_many_are_wrong():
 def test_pictures_of_other_instants_are_not_compared():
     pairs = range_picture.against(measured(np.ones((5, 64))), measured(np.ones((9, 64))))
     assert pairs["range_error"] == (None, 0.0)
-    assert pairs["wrong_part"] == (None, 0.0)
+    assert pairs["share_of_wrong_readings"] == (None, 0.0)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import groupby
 
-from simcompare.model.answer import VALUE
+from simcompare.model.answer import VALUE, placeholders
 from simcompare.model.settings import SHOWN_LEVELS
 from simcompare.reports.run import runs
 from simcompare.reports.run.by_step import over_steps
@@ -162,9 +162,14 @@ def _main(rows: Sequence[Row]) -> str:
 
 def _template(lead: Lead, mode: str, kind: str, detail: _Detail) -> str:
     """The half sentence of a kind; that of the leading measure alone where less is told."""
-    if kind == WITHIN and (mode in SHOWN_LEVELS or not detail.whole):
+    said = template_of(lead, kind)
+    if (
+        kind == WITHIN
+        and (mode in SHOWN_LEVELS or not detail.whole)
+        and VALUE in placeholders(said)
+    ):
         return template_of(lead, OUTSIDE)
-    return template_of(lead, kind)
+    return said
 
 
 def _majority(
@@ -193,7 +198,7 @@ def _beyond_what_was_said(template: str, before: str) -> str:
     """A half sentence from its value on, or the value alone, where the rest was just said."""
     value = f"{{{VALUE}}}"
     if template == before:
-        return value
+        return value if value in template else template
     is_longer = before.endswith(value) and template.startswith(before)
     return template.removeprefix(before.removesuffix(value)) if is_longer else template
 

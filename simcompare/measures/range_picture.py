@@ -13,7 +13,7 @@ SERIES = ("picture_time", "nearest_range")
 OPTIONS = ("count",)
 AXES = {"nearest_range": "picture_time"}
 UNITS = {"picture_time": "s", "nearest_range": "m", "nearest": "m", "range_error": "m",
-         "wrong_part": "1"}  # fmt: skip
+         "share_of_wrong_readings": "1"}  # fmt: skip
 
 
 def measure(trajectory: Trajectory, request: Request) -> Measured:
@@ -40,18 +40,18 @@ def measure(trajectory: Trajectory, request: Request) -> Measured:
 
 
 def against(measured: Measured, truth: Measured) -> Pairs:
-    """What is judged: ``nearest``, ``range_error`` and ``wrong_part``.
+    """What is judged: ``nearest``, ``range_error`` and ``share_of_wrong_readings``.
 
-    ``range_error`` is the largest deviation of any zone in any of the pictures, ``wrong_part`` the
-    part of all readings that are off by more than a centimetre. Both are unknown (``None``) where
-    the two have other samples.
+    ``range_error`` is the largest deviation of any zone in any of the pictures,
+    ``share_of_wrong_readings`` the part of all that are off by more than a centimetre. Both are
+    unknown (``None``) where the two have other samples.
     """
     judged = side_by_side(measured, truth)
     if not _window.same(measured.series["picture_time"], truth.series["picture_time"]):
-        return {**judged, "range_error": (None, 0.0), "wrong_part": (None, 0.0)}
+        return {**judged, "range_error": (None, 0.0), "share_of_wrong_readings": (None, 0.0)}
     off = np.abs(measured.compared["pictures"] - truth.compared["pictures"]).ravel()
     return {
         **judged,
         "range_error": (_window.largest(off), 0.0),
-        "wrong_part": (float(np.mean(off > WRONG_M)), 0.0),
+        "share_of_wrong_readings": (float(np.mean(off > WRONG_M)), 0.0),
     }
