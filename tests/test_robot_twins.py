@@ -108,7 +108,7 @@ def test_pybullet_reads_the_mass_of_the_parts_in_urdf(made, bullet):
 
 
 def by_open_cascade(file):
-    """Name, volume [m³], centre [m] and second moments about it [m⁵] of each solid of a STEP file."""
+    """Of each solid its name, volume [m³], centre [m] and second moments about that [m⁵]."""
     import build123d as cad
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
