@@ -16,8 +16,10 @@ POLICIES = sorted((Path(__file__).parent / "policies").glob("*.npz"))
 #: engine step of the trials, the one that the policies were learnt with
 STEP_S = 0.01
 #: colours that colour-blind people can tell apart (Okabe and Ito), and what else tells them apart
-LOOKS = (("#0072B2", "o", "-"), ("#D55E00", "s", "--"), ("#009E73", "^", "-."),
-         ("#CC79A7", "D", ":"), ("#000000", "v", (0, (5, 1))), ("#E69F00", "P", (0, (1, 1))))  # fmt: skip
+LOOKS = (
+    ("#0072B2", "o", "-"), ("#D55E00", "s", "--"), ("#009E73", "^", "-."),
+    ("#CC79A7", "D", ":"), ("#000000", "v", (0, (5, 1))), ("#E69F00", "P", (0, (1, 1))),
+)  # fmt: skip
 
 
 def tried(engines, sensors, episodes, file):
