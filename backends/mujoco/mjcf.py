@@ -37,8 +37,14 @@ def mjcf(scene: Scene) -> str:
     contacts = ET.SubElement(root, "contact")
     for first, second in scene.contacts.apart:
         ET.SubElement(contacts, "exclude", body1=first, body2=second)
+    alike: dict[object, dict[str, str]] = {}
     for pair in scene.contacts.touching if scene.contacts.are_given else ():
-        _add_pairs(contacts, scene, pair)
+        kind = (pair.restitution, pair.friction, pair.numbers, pair.friction_spring)
+        if kind not in alike:  # many pairs of a scene are
+            alike[kind] = _contact(scene, pair)
+        for name, (one, other) in pair_names(scene, pair).items():
+            names = {"name": name, "geom1": one, "geom2": other}
+            ET.SubElement(contacts, "pair", names | alike[kind])
     _add_actuators(ET.SubElement(root, "actuator"), scene)
     _add_sensors(ET.SubElement(root, "sensor"), scene)
     return ET.tostring(root, encoding="unicode")
@@ -116,13 +122,14 @@ def _add_sensors(sensors: ET.Element, scene: Scene) -> None:
         )
 
 
-def _add_pairs(contacts: ET.Element, scene: Scene, pair: Pair) -> None:
-    mu, springs = pair.friction, _texts(springs_of(scene, pair))
-    for name, (one, other) in pair_names(scene, pair).items():
-        ET.SubElement(
-            contacts, "pair", name=name, geom1=one, geom2=other, condim="3" if mu > 0 else "1",
-            friction=_text((mu, mu, 0.005, 0.0001, 0.0001)),
-        ).attrib.update(springs)  # fmt: skip
+def _contact(scene: Scene, pair: Pair) -> dict[str, str]:
+    """What a ``<pair>`` says of a contact."""
+    mu = pair.friction
+    return {
+        "condim": "3" if mu > 0 else "1",
+        "friction": _text((mu, mu, 0.005, 0.0001, 0.0001)),
+        **_texts(springs_of(scene, pair)),
+    }
 
 
 def springs_of(scene: Scene, pair: Pair) -> dict[str, tuple[float, ...]]:
@@ -166,7 +173,7 @@ def geom_name(body: str, index: int) -> str:
 
 
 def _text(values: Iterable[float]) -> str:
-    return " ".join(repr(float(value)) for value in values)
+    return " ".join(map(repr, map(float, values)))
 
 
 def _texts(values: Mapping[str, Iterable[float]]) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -23,6 +24,7 @@ from simcompare.kit import (
     FreeCoordinates,
     Held,
     Numbers,
+    Pair,
     ReducedSimulation,
     Scene,
     Shape,
@@ -202,13 +204,24 @@ class MujocoSimulation(ReducedSimulation):
             "armature": Held("dof armature", held.armature[0]),
         }
 
-    def held_of_pair(self, first: str, second: str) -> Table:
+    @functools.cached_property
+    def _touching(self) -> dict[tuple[str, str], tuple[Pair, dict[str, Any], list[Any]]]:
+        """Of each pair of bodies what was given, and where the model holds it."""
         scene, model = self.scene, self._model
-        pair = next(pair for pair in scene.contacts.touching if pair.bodies == (first, second))
-        contacts, friction = [model.geom(geom_name(first, 0))], "geom_friction"  # all are alike
-        if scene.contacts.are_given:
-            contacts, friction = [model.pair(n) for n in pair_names(scene, pair)], "pair_friction"
-        springs = springs_of(scene, pair)
+        return {
+            pair.bodies: (
+                pair,
+                springs_of(scene, pair),
+                [model.pair(name) for name in pair_names(scene, pair)]
+                if scene.contacts.are_given
+                else [model.geom(geom_name(pair.bodies[0], 0))],  # all are alike
+            )
+            for pair in scene.contacts.touching
+        }
+
+    def held_of_pair(self, first: str, second: str) -> Table:
+        pair, springs, contacts = self._touching[first, second]
+        friction = "pair_friction" if self.scene.contacts.are_given else "geom_friction"
         put: Sequence[float] = springs.get("solref", (0.0, 0.0))
         names = (
             ("solref[0]", "solref[1]")
@@ -243,15 +256,15 @@ class MujocoSimulation(ReducedSimulation):
             ):
                 audit.add_all(f"{name}.friction", parameter, JOINT_FRICTION[parameter], held, units)
         where = "of the <pair>; typed into geoms: into both, or with the higher priority into one"
-        for pair in scene.contacts.touching:
-            springs = springs_of(scene, pair)
-            for held in map(model.pair, pair_names(scene, pair)):
+        for pair, springs, contacts in self._touching.values():
+            for held in contacts:
+                if "solreffriction" in springs:
+                    audit.add_all(
+                        f"{pair.name} friction", "solreffriction", springs["solreffriction"],
+                        model.pair_solreffriction[held.id], ("SI", "SI"),
+                    )  # fmt: skip
                 audit.add_all(
-                    f"{pair.name} friction", "solreffriction", springs.get("solreffriction", ()),
-                    model.pair_solreffriction[held.id], ("SI", "SI"),
-                )  # fmt: skip
-                audit.add_all(
-                    f"{pair.name} contact", "solimp", springs["solimp"], held.solimp,
+                    f"{pair.name} contact", "solimp", springs["solimp"], held.solimp.tolist(),
                     ("1", "1", "m"), where,
                 )  # fmt: skip
 

@@ -227,7 +227,7 @@ class EngineBackend(ABC):
             simulation.set_up()
             own = Audit(self.name)
             simulation.own_parameters(own)
-            answers = [(quantity, simulation.held(quantity)) for quantity in quantities(scene)]
+            answers = simulation.answers(quantities(scene))
             simulation.audit = audit_of(scene, answers, own.rows)
         except BaseException:
             simulation.close()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from simcompare import units
 from simcompare.engine import engines
-from simcompare.engine.contacts import touching_pairs
+from simcompare.engine.contacts import bouncing_pairs
 from simcompare.engine.own_values import OwnValue
 from simcompare.errors import InputError, SimcompareError, UnknownName
 from simcompare.model.scenario import Scenario
@@ -43,11 +43,7 @@ class ByHand:
             for one in own
             if one.tuned is not None and one.name in typed
         )
-        pairs = tuple(
-            PairNumbers(contact.pair, numbers)
-            for contact in touching_pairs(scene)
-            if contact.restitution > 0
-        )
+        pairs = tuple(PairNumbers(contact.pair, numbers) for contact in bouncing_pairs(scene))
         return Settings(TUNED, numbers=pairs, own=other)
 
 
@@ -84,7 +80,7 @@ def read(asked: Mapping[str, str | float], chosen: Sequence[str], scene: Scenari
             values.setdefault(engine, {})[one.name] = _number(one, value, given)
         except SimcompareError as error:
             faults.append(str(error))
-    if asked and not any(contact.restitution > 0 for contact in touching_pairs(scene)):
+    if asked and not bouncing_pairs(scene):
         faults.append(
             f"nothing in {scene.name} has a restitution above 0, so values for a bounce do nothing"
         )

@@ -28,16 +28,28 @@ def touching_pairs(scenario: Scenario) -> list[Contact]:
 
     That is: with shapes, not both fixed, not jointed, and named if both move.
     """
-    named = {frozenset(contact.pair) for contact in scenario.contacts}
+    named = {frozenset(contact.pair): contact for contact in scenario.contacts}
     jointed = {frozenset((joint.parent, joint.child)) for joint in scenario.joints.values()}
+    shaped = [(name, body.fixed) for name, body in scenario.bodies.items() if body.shapes]
     found = []
-    for (first, a), (second, b) in combinations(scenario.bodies.items(), 2):
-        can_touch = a.shapes and b.shapes and not (a.fixed and b.fixed)
+    for (first, is_fixed), (second, is_fixed_too) in combinations(shaped, 2):
+        if is_fixed and is_fixed_too:
+            continue
         pair = frozenset((first, second))
-        may_touch = a.fixed or b.fixed or pair in named
-        if can_touch and may_touch and pair not in jointed:
-            found.append(scenario.contact_of(first, second))
+        if pair in jointed:
+            continue
+        if pair in named:
+            found.append(named[pair])
+        elif is_fixed or is_fixed_too:
+            found.append(Contact(pair=(first, second)))
     return found
+
+
+def bouncing_pairs(scenario: Scenario) -> list[Contact]:
+    """Those of them that bounce."""
+    if not any(contact.restitution > 0 for contact in scenario.contacts):
+        return []
+    return [contact for contact in touching_pairs(scenario) if contact.restitution > 0]
 
 
 def jointed_pairs(scenario: Scenario) -> list[tuple[str, str]]:

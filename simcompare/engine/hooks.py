@@ -35,6 +35,8 @@ class EngineHooks(StatefulMotion):
     #: pairs whose contact forces are read, and the widest gap at which a contact acts [m]
     _pairs: Mapping[frozenset[str], tuple[str, str]]
     _widest_gap_m: float
+    #: tables that were asked for, while all of them are; by kind and name of what they are of
+    _told: dict[tuple[str, str], Table] | None = None
 
     def set_up(self) -> None:
         """Builds the scene where that may fail with the engine open; ``close`` follows then."""
@@ -133,19 +135,35 @@ class EngineHooks(StatefulMotion):
 
     def held(self, quantity: Quantity) -> HeldValues | None:
         """What the engine holds of something that was asked for; ``None`` is a fault."""
-        match quantity.owner:
-            case "world":
-                table = self.held_of_world()
-            case "body":
-                table = self.held_of_body(quantity.of)
-            case "joint":
-                table = self.held_of_joint(quantity.of)
-            case _:
-                table = self.held_of_pair(*quantity.bodies)
-        found = table.get(quantity.kind) or self._held_of_law(quantity)
+        found = self._table_of(quantity).get(quantity.kind) or self._held_of_law(quantity)
         if quantity.kind != "size_m" or found is None or isinstance(found, Held):
             return found
         return found[quantity.index] if quantity.index < len(found) else None
+
+    def answers(self, asked: Iterable[Quantity]) -> list[tuple[Quantity, HeldValues | None]]:
+        """What the engine holds of all that is asked for; each table is asked for once."""
+        self._told = {}
+        try:
+            return [(quantity, self.held(quantity)) for quantity in asked]
+        finally:
+            self._told = None
+
+    def _table_of(self, quantity: Quantity) -> Table:
+        told, key = self._told, (quantity.owner, quantity.of)
+        if told is None or key not in told:
+            match quantity.owner:
+                case "world":
+                    table = self.held_of_world()
+                case "body":
+                    table = self.held_of_body(quantity.of)
+                case "joint":
+                    table = self.held_of_joint(quantity.of)
+                case _:
+                    table = self.held_of_pair(*quantity.bodies)
+            if told is None:
+                return table
+            told[key] = table
+        return told[key]
 
     def _held_of_law(self, quantity: Quantity) -> Held | None:
         """What is given as an effort in each step or as a moment of inertia, and nowhere else."""

@@ -155,15 +155,16 @@ def _follow(mount: Mount, joint: Joint, above: _Motion, moved: tuple[Array, Arra
     """Motion of a child from its parent's, and the joint's coordinate and rate."""
     position, orientation, velocity, rate = above
     coordinate, speed = (values[:, None] for values in moved)
-    axis = rotate(orientation, np.tile(_unit(joint.axis), (len(position), 1)))
+    drawn = _unit(joint.axis)[None]
+    axis = rotate(orientation, drawn)
     arm = np.subtract(mount.position_m, joint.anchor_m)[None]
     turned = orientation
     if joint.type == "hinge":
-        turn = quaternions_of(coordinate * _unit(joint.axis))
-        arm = rotate(turn, np.repeat(arm, len(position), axis=0))
+        turn = quaternions_of(coordinate * drawn)
+        arm = rotate(turn, arm)
         turned = multiply(orientation, turn)
-    from_anchor = rotate(orientation, np.broadcast_to(arm, position.shape))
-    anchor = rotate(orientation, np.tile(joint.anchor_m, (len(position), 1)))
+    from_anchor = rotate(orientation, arm)
+    anchor = rotate(orientation, np.array([joint.anchor_m]))
     away = anchor + from_anchor
     own = np.zeros_like(position)
     spin = rate
@@ -171,7 +172,7 @@ def _follow(mount: Mount, joint: Joint, above: _Motion, moved: tuple[Array, Arra
         own, spin = cross(axis * speed, from_anchor), rate + axis * speed
     elif joint.type == "slider":
         away, own = away + axis * coordinate, axis * speed
-    child = multiply(turned, np.tile(mount.orientation_wxyz, (len(position), 1)))
+    child = multiply(turned, np.array([mount.orientation_wxyz]))
     return position + away, child, velocity + cross(rate, away) + own, spin
 
 
@@ -188,8 +189,8 @@ def placed_on(
     else:
         position = signals[f"{sensor.body}.position_m"]
         orientation = signals[f"{sensor.body}.orientation_wxyz"]
-    place = position + rotate(orientation, np.tile(sensor.position_m, (count, 1)))
-    return place, multiply(orientation, np.tile(sensor.orientation_wxyz, (count, 1)))
+    place = position + rotate(orientation, np.array([sensor.position_m]))
+    return place, multiply(orientation, np.array([sensor.orientation_wxyz]))
 
 
 def placed_shapes(body: Body, shapes: Sequence[Shape]) -> list[Shape]:

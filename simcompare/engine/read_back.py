@@ -211,7 +211,12 @@ def _parts_of(
     quantity: Quantity, values: float | Sequence[float | None] | None
 ) -> Sequence[float | None]:
     """One value for each part of what was asked for; engines like to give arrays."""
-    plain = values.tolist() if isinstance(values, np.ndarray | np.generic) else values
-    parts = plain if isinstance(plain, Sequence) else [plain] * len(quantity.parts)
+    if isinstance(values, np.ndarray | np.generic):
+        values = values.tolist()
+    parts = (
+        [values] * len(quantity.parts)
+        if values is None or isinstance(values, float | int)
+        else values
+    )
     assert len(parts) == len(quantity.parts), f"{quantity.name} has {len(quantity.parts)} parts"
     return parts

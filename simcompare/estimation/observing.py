@@ -50,19 +50,29 @@ def observed(name: str, scenario: Scenario) -> Observed:
     Raises:
         UnknownName: no probe and no signal is called so.
     """
-    signals = scenario.signals()
     if name in scenario.probes:
         probe = scenario.probes[name]
         unit = units.unit_of(probe.observe.partition(".")[2])
         return Observed(probe.observe, probe.component, probe.offset, 1, unit)
     whole, _, letter = name.rpartition(".")
-    if name in signals:
+    components = _components(name, scenario)
+    if components is not None:
         unit = units.unit_of(name.partition(".")[2])
-        return Observed(name, None, 0.0, signals[name], unit)
-    letters = _LETTERS.get(signals.get(whole, 1), "")
-    if letter.isdecimal() and int(letter) < signals.get(whole, 1):
+        return Observed(name, None, 0.0, components, unit)
+    count = _components(whole, scenario) or 1
+    letters = _LETTERS.get(count, "")
+    if letter.isdecimal() and int(letter) < count:
         return Observed(whole, int(letter), 0.0, 1, units.unit_of(whole.partition(".")[2]))
     if len(letter) == 1 and letter in letters:
         unit = units.unit_of(whole.partition(".")[2])
         return Observed(whole, letters.index(letter), 0.0, 1, unit)
-    raise UnknownName("probe or signal", name, [*scenario.probes, *signals])
+    raise UnknownName("probe or signal", name, [*scenario.probes, *scenario.signals()])
+
+
+def _components(signal: str, scenario: Scenario) -> int | None:
+    """How many a signal has; ``None`` where there is none of that name."""
+    owner, _, part = signal.partition(".")
+    owners = (scenario.bodies, scenario.joints, scenario.actuators, scenario.sensors)
+    if not any(owner in named for named in owners):
+        return None
+    return scenario.signals_of(owner).get(part)

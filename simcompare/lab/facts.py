@@ -9,7 +9,7 @@ from typing import Any
 
 from simcompare import glossary
 from simcompare.engine import by_hand, engines
-from simcompare.engine.contacts import touching_pairs
+from simcompare.engine.contacts import bouncing_pairs
 from simcompare.errors import SimcompareError
 from simcompare.lab import published
 from simcompare.lab.translation import translated
@@ -58,7 +58,7 @@ def scenario(name: str, language: str) -> Plain:
 
 def _bounces(file: ScenarioFile) -> bool:
     """Whether a value of an engine for a bounce does anything in it."""
-    return any(contact.restitution > 0 for contact in touching_pairs(file.resolve()))
+    return bool(bouncing_pairs(file.resolve()))
 
 
 def _engine(name: str, shown: ScenarioFacts, of: Callable[[str], str], *, bounces: bool) -> Plain:

@@ -55,11 +55,8 @@ class Audit:
         note: str = "",
     ) -> None:
         """Adds a row; ``values`` are the value set and the value read back."""
-        wanted, put, held = (
-            None if value is None else float(value) for value in (scenario_value, *values)
-        )
-        row = AuditRow(quantity, wanted, engine_parameter, put, held, unit, note)
-        self.rows.append(row)
+        wanted, put, held = map(_plain, (scenario_value, *values))
+        self.rows.append(AuditRow(quantity, wanted, engine_parameter, put, held, unit, note))
 
     def add_all(
         self,
@@ -122,6 +119,10 @@ class Audit:
             return False
         size = max(abs(row.set_value), abs(row.read_value))
         return abs(row.set_value - row.read_value) <= self._relative * size
+
+
+def _plain(value: float | None) -> float | None:
+    return None if value is None else float(value)
 
 
 def _with_finite_numbers(row: AuditRow) -> AuditRow:

@@ -89,6 +89,11 @@ def evaluate(text: str, names: Mapping[str, float]) -> float:
     Raises:
         ExpressionError: a syntax error, an unknown name, or a result that is not a finite number.
     """
+    return _value(text, {**CONSTANTS, **names})
+
+
+def _value(text: str, known: dict[str, float]) -> float:
+    """The number of an expression, from all that it may name."""
     match = _EXPRESSION.match(text)
     if match is None:
         raise ExpressionError(f"{text!r} is not of the form ${{…}}")
@@ -96,7 +101,7 @@ def evaluate(text: str, names: Mapping[str, float]) -> float:
     if len(text) > _MOST:
         raise ExpressionError(f"{shown} has {len(text)} characters; at most {_MOST} are evaluated")
     evaluator = _evaluator()
-    evaluator.names = {**CONSTANTS, **names}
+    evaluator.names = known
     try:
         source = match[1].strip()
         value = evaluator.eval(source, previously_parsed=_parsed(source))
@@ -116,22 +121,33 @@ def resolve(node: Any, names: Mapping[str, float], path: str, faults: dict[str, 
     """A copy of a YAML tree with every ``${…}`` replaced by its number.
 
     Args:
-        node: mapping, list or scalar as read from YAML.
+        node: dict, list or scalar as read from YAML.
         names: values that expressions may use.
         path: dotted place of ``node``, for the faults.
         faults: every fault is added here as place -> sentence.
     """
-    if isinstance(node, Mapping):
-        return {
-            key: resolve(child, names, f"{path}.{key}" if path else str(key), faults)
-            for key, child in node.items()
-        }
-    if isinstance(node, list):
-        return [resolve(child, names, f"{path}.{i}", faults) for i, child in enumerate(node)]
-    if is_expression(node):
-        try:
-            return evaluate(node, names)
-        except ExpressionError as error:
-            faults[path] = str(error)
-            return 1.0  # a number that most places accept, so that this fault is not told twice
-    return node
+    known, found = {**CONSTANTS, **names}, dict[str, float]()
+
+    def filled(node: Any, place: Any) -> Any:  # noqa: ANN401
+        if isinstance(node, dict):
+            return {key: filled(child, (place, key)) for key, child in node.items()}
+        if isinstance(node, list):
+            return [filled(child, (place, i)) for i, child in enumerate(node)]
+        if not is_expression(node):
+            return node
+        if node not in found:  # the same one often stands in many places
+            try:
+                found[node] = _value(node, known)
+            except ExpressionError as error:
+                faults[_dotted(place)] = str(error)
+                return 1.0  # a number that most places accept, so that this fault is told once
+        return found[node]
+
+    return filled(node, path)
+
+
+def _dotted(place: Any) -> str:  # noqa: ANN401
+    if isinstance(place, str):
+        return place
+    before = _dotted(place[0])
+    return f"{before}.{place[1]}" if before else str(place[1])

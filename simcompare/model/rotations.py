@@ -17,7 +17,8 @@ def quaternions_of(rotation_vectors_rad: Array) -> Array:
     """Unit quaternions wxyz (n, 4) of rotation vectors (n, 3) [rad]."""
     half = np.linalg.norm(rotation_vectors_rad, axis=1, keepdims=True) / 2
     # sin(x)/x is 1 at 0; numpy's sinc has the factor π inside
-    return np.hstack((np.cos(half), rotation_vectors_rad * np.sinc(half / np.pi) / 2))
+    turned = rotation_vectors_rad * np.sinc(half / np.pi) / 2
+    return np.concatenate((np.cos(half), turned), axis=1)
 
 
 def rotation_vector_of(orientation_wxyz: Sequence[float]) -> Array:
@@ -37,7 +38,7 @@ def cross(first: Array, second: Array) -> Array:
 
 
 def rotate(orientation_wxyz: Array, vectors: Array) -> Array:
-    """Vectors (n, 3) turned by quaternions wxyz (n, 4): body frame to world frame."""
+    """Vectors (n or 1, 3) turned by quaternions wxyz (n or 1, 4): body frame to world frame."""
     w, u = orientation_wxyz[:, :1], orientation_wxyz[:, 1:]
     t = 2.0 * cross(u, vectors)
     return np.asarray(vectors + w * t + cross(u, t), dtype=float)
@@ -50,11 +51,11 @@ def xyzw(orientation_wxyz: Quaternion) -> Quaternion:
 
 
 def multiply(first_wxyz: Array, second_wxyz: Array) -> Array:
-    """Products (n, 4) of quaternions wxyz: the second rotation, then the first."""
+    """Products (n, 4) of quaternions wxyz (n or 1, 4): the second rotation, then the first."""
     w, u = first_wxyz[:, :1], first_wxyz[:, 1:]
     a, v = second_wxyz[:, :1], second_wxyz[:, 1:]
-    scalar = w * a - np.sum(u * v, axis=1, keepdims=True)
-    return np.hstack((scalar, w * v + a * u + cross(u, v)))
+    scalar = w * a - (u * v).sum(axis=1, keepdims=True)
+    return np.concatenate((scalar, w * v + a * u + cross(u, v)), axis=1)
 
 
 def conjugate(orientation_wxyz: Array) -> Array:

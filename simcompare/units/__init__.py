@@ -89,6 +89,7 @@ _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)
 _COMMA = re.compile(r"^\s*([-+]?)(\d+|\d{1,3}(?:\.\d{3})+),(\d+)\s*(|[^\d\s,.].*?)\s*$")
 
 
+@functools.lru_cache(maxsize=4096)
 def suffix_of(name: str) -> str:
     """Unit suffix of a name, the longest that fits (``""`` for a number without unit)."""
     fitting = (suffix for suffix in UNITS_BY_SUFFIX if name.endswith(suffix))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from simcompare.engine.clearance import reach_m
-from simcompare.engine.contacts import touching_pairs
+from simcompare.engine.contacts import bouncing_pairs
 from simcompare.model.rotations import matrix_of
 from simcompare.model.scenario import Body, Contact, Scenario
 from simcompare.model.settings import DropPlan
@@ -31,9 +31,8 @@ class _Approach:
 def drop_plans(scenario: Scenario) -> tuple[DropPlan, ...]:
     """One plan for each restitution above 0; of its pairs the fastest and the smallest counts."""
     found: dict[float, list[Contact]] = {}
-    for contact in touching_pairs(scenario):
-        if contact.restitution > 0:
-            found.setdefault(contact.restitution, []).append(contact)
+    for contact in bouncing_pairs(scenario):
+        found.setdefault(contact.restitution, []).append(contact)
     plans = []
     for restitution, contacts in found.items():
         movers = [_mover(scenario, contact) for contact in contacts]

@@ -22,7 +22,7 @@ from typing import Protocol
 
 import numpy as np
 
-from simcompare.engine.contacts import touching_pairs
+from simcompare.engine.contacts import bouncing_pairs
 from simcompare.errors import Unsupported
 from simcompare.model.scenario import Scenario
 from simcompare.model.shapes import Plane, Sphere, Vector
@@ -117,9 +117,12 @@ def refuse(engine: str, scenario: Scenario) -> None:
     Raises:
         Unsupported: several bodies bounce, or one on a joint.
     """
-    bounces = any(contact.restitution > 0 for contact in touching_pairs(scenario))
     moving = [body for body in scenario.moving_bodies().values() if body.shapes]
-    if bounces and (scenario.joints or len(moving) > 1) and not approaches(scenario)[0]:
+    if (
+        bouncing_pairs(scenario)
+        and (scenario.joints or len(moving) > 1)
+        and not approaches(scenario)[0]
+    ):
         raise Unsupported(
             f"{engine}: impacts are landed on only where a single free body bounces, since a step"
             " that is cut for one pair would change the motion of another; the level tuned shows"

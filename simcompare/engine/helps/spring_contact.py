@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from simcompare.engine.contacts import Springs, touching_pairs
+from simcompare.engine.contacts import Springs, bouncing_pairs
 from simcompare.engine.dashpot import damping_ratio
 from simcompare.engine.helps.landing import ContactSteps, approaches, slips_at_impact
 from simcompare.errors import Unsupported
@@ -56,13 +56,12 @@ def springs_of(scenario: Scenario) -> dict[tuple[str, str], Springs]:
     The second two are those of its friction.
     """
     found, landed = {}, bool(approaches(scenario)[0])
-    for contact in touching_pairs(scenario):
-        if contact.restitution > 0:
-            zeta, (omega, phase) = damping_ratio(contact.restitution), _spring(contact, landed)
-            lag = 1 + zeta * phase
-            own = (-(omega**2) / lag, -2 * zeta * omega / lag)
-            # slipping ends within an impact, and lifts the body less than the spring's own damper
-            found[contact.pair] = (own, own if landed else (-1.0, -omega))
+    for contact in bouncing_pairs(scenario):
+        zeta, (omega, phase) = damping_ratio(contact.restitution), _spring(contact, landed)
+        lag = 1 + zeta * phase
+        own = (-(omega**2) / lag, -2 * zeta * omega / lag)
+        # slipping ends within an impact, and lifts the body less than the spring's own damper
+        found[contact.pair] = (own, own if landed else (-1.0, -omega))
     return found
 
 
