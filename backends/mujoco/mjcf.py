@@ -43,8 +43,9 @@ def mjcf(scene: Scene) -> str:
         if kind not in alike:  # many pairs of a scene are
             alike[kind] = _contact(scene, pair)
         for name, (one, other) in pair_names(scene, pair).items():
-            names = {"name": name, "geom1": one, "geom2": other}
-            ET.SubElement(contacts, "pair", names | alike[kind])
+            ET.SubElement(
+                contacts, "pair", {"name": name, "geom1": one, "geom2": other, **alike[kind]}
+            )
     _add_actuators(ET.SubElement(root, "actuator"), scene)
     _add_sensors(ET.SubElement(root, "sensor"), scene)
     return ET.tostring(root, encoding="unicode")

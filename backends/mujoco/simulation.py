@@ -207,16 +207,15 @@ class MujocoSimulation(ReducedSimulation):
     @functools.cached_property
     def _touching(self) -> dict[tuple[str, str], tuple[Pair, dict[str, Any], list[Any]]]:
         """Of each pair of bodies what was given, and where the model holds it."""
-        scene, model = self.scene, self._model
         return {
             pair.bodies: (
                 pair,
-                springs_of(scene, pair),
-                [model.pair(name) for name in pair_names(scene, pair)]
-                if scene.contacts.are_given
-                else [model.geom(geom_name(pair.bodies[0], 0))],  # all are alike
+                springs_of(self.scene, pair),
+                [self._model.pair(name) for name in pair_names(self.scene, pair)]
+                if self.scene.contacts.are_given
+                else [self._model.geom(geom_name(pair.bodies[0], 0))],  # all are alike
             )
-            for pair in scene.contacts.touching
+            for pair in self.scene.contacts.touching
         }
 
     def held_of_pair(self, first: str, second: str) -> Table:
@@ -258,11 +257,10 @@ class MujocoSimulation(ReducedSimulation):
         where = "of the <pair>; typed into geoms: into both, or with the higher priority into one"
         for pair, springs, contacts in self._touching.values():
             for held in contacts:
-                if "solreffriction" in springs:
-                    audit.add_all(
-                        f"{pair.name} friction", "solreffriction", springs["solreffriction"],
-                        model.pair_solreffriction[held.id], ("SI", "SI"),
-                    )  # fmt: skip
+                audit.add_all(
+                    f"{pair.name} friction", "solreffriction", springs.get("solreffriction", ()),
+                    model.pair_solreffriction[held.id], ("SI", "SI"),
+                )  # fmt: skip
                 audit.add_all(
                     f"{pair.name} contact", "solimp", springs["solimp"], held.solimp.tolist(),
                     ("1", "1", "m"), where,
