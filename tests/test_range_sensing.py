@@ -113,21 +113,12 @@ def test_it_does_not_see_the_body_that_carries_it():
         ({"geometry": "fisheye"}, "equal_angle"),
         ({"reach_m": -1.0}, "greater than 0"),
         ({"body": None}, "needs a body"),
-        ({"errors": {"sheet": "vl53l5cx"}}, "takes no errors; what a real one reads"),
+        ({"errors": {"sheet": "vl53l5cx"}}, "takes no errors; ask for a real one"),
     ],
 )
 def test_what_no_such_sensor_has_is_refused(wrong, said):
     with pytest.raises(ValidationError, match=said):
         Sensor.model_validate({**SENSOR, **wrong})
-
-
-def test_a_data_sheet_of_one_zone_is_not_given_to_all_of_them():
-    from simcompare.hardware.sensors.signals import chosen
-
-    known = {"tof.range_m": 64, "cart.position_m": 3}
-    for name in ("tof", "tof.range_m"):
-        with pytest.raises(InputError, match=r"has 64 zones.*Range sensors of many zones"):
-            chosen(name, known, "mine")
 
 
 # --- through whose rays ---------------------------------------------------------------------------

@@ -34,7 +34,7 @@ VALID, FIRST, LARGE_PULSE, NEW, NOTHING = 5, 6, 9, 10, 255
 #: those of which half or more can be trusted, by its section 5.5
 TRUSTED = (VALID, FIRST, LARGE_PULSE)
 #: settings of a device, and what each may be
-_SETTINGS: Mapping[str, str] = {
+SETTINGS: Mapping[str, str] = {
     "rate_Hz": "more than 0", "ambient_klux": "0 or more", "temperature_C": "a number",
     "crosstalk": "0 or more", "scatter": "0 or more", "order": "strongest or closest",
 }  # fmt: skip
@@ -247,10 +247,10 @@ def _faults(zones: int, seed: int, geometry: str, settings: Mapping[str, object]
     if geometry not in ("equal_angle", "rectilinear"):
         yield f"geometry is {geometry!r}; expected equal_angle or rectilinear"
     for name, value in settings.items():
-        if name not in _SETTINGS:
-            yield f"{name} is no setting; known: {', '.join(_SETTINGS)}"
+        if name not in SETTINGS:
+            yield f"{name} is no setting; known: {', '.join(SETTINGS)}"
         elif not _may_be(name, value):
-            yield f"{name} is {value!r}; expected {_SETTINGS[name]}"
+            yield f"{name} is {value!r}; expected {SETTINGS[name]}"
 
 
 def _may_be(name: str, value: object) -> bool:

@@ -7,13 +7,17 @@ from collections.abc import Mapping
 import numpy as np
 
 from simcompare import units
-from simcompare.errors import InputError, UnknownName
-from simcompare.model.sensor import REAL_ZONES
+from simcompare.errors import UnknownName
 from simcompare.model.trajectory import Array
 
 _AXES = "xyz"
 #: components of a quaternion, the most of what is no picture
 _MOST = 4
+
+
+def is_zones(width: int) -> bool:
+    """Whether a signal of so many components is that of a range sensor of many zones."""
+    return width > _MOST
 
 
 def owner_of(signal: str) -> str:
@@ -53,17 +57,14 @@ def chosen(name: str, known: Mapping[str, int], whose: str) -> dict[str, int]:
 
     Raises:
         UnknownName: there are none of that name, or it has no such component.
-        InputError: it is a range sensor of many zones.
     """
     signal, axis = _parted(name)
     if axis and known.get(signal) == len(_AXES):
         return {name: 1}
-    readable = {key: width for key, width in known.items() if width in (1, len(_AXES))}
+    readable = {
+        key: width for key, width in known.items() if width in (1, len(_AXES)) or is_zones(width)
+    }
     found = {key: n for key, n in readable.items() if name in (key, owner_of(key))}
-    wide = [key for key, n in known.items() if n > _MOST and name in (key, owner_of(key))]
-    if not found and wide:
-        count = known[wide[0]]
-        raise InputError(wide[0], [f"it has {count} zones, and is no single reading; {REAL_ZONES}"])
     if not found:
         owners = dict.fromkeys(owner_of(key) for key in readable)
         raise UnknownName(f"sensor or signal of {whose}", name, [*owners, *readable] if

@@ -18,6 +18,11 @@ from simcompare.errors import InputError, unknown_or_missing
 from simcompare.hardware.sensors import sheet_reading, sheets
 from simcompare.hardware.sensors.sheet_file import ZoneFile
 
+_NO_ZONES = (
+    "it says nothing of zones, which a range sensor of many zones needs; give a sheet that does,"
+    " such as vl53l5cx"
+)
+
 
 @dataclass(frozen=True)
 class ZoneNumbers:
@@ -138,11 +143,13 @@ class ZoneSheet:
 
     Attributes:
         name: of its file.
+        chip: what the maker calls it.
         document: of the maker.
         rows: zones in a row -> every number with its source.
     """
 
     name: str
+    chip: str
     document: str
     rows: dict[int, tuple[ZoneFile, ...]]
 
@@ -171,7 +178,7 @@ def _loaded(path: Path, changed_ns: int) -> ZoneSheet:
     del changed_ns
     content, _ = sheet_reading.read(path)
     if content.zones is None:
-        raise InputError(str(path), ["zones: it says nothing of zones; expected both, four, eight"])
+        raise InputError(f"sheet {path.stem}", [_NO_ZONES])
     modes = {4: content.zones.four, 8: content.zones.eight}
     rows = {count: (*content.zones.both, *own) for count, own in modes.items()}
     known, faults = [field.name for field in fields(ZoneNumbers)], []
@@ -185,4 +192,4 @@ def _loaded(path: Path, changed_ns: int) -> ZoneSheet:
                    for row in all_rows if row.value <= 0]  # fmt: skip
     if faults:
         raise InputError(str(path), faults)
-    return ZoneSheet(path.stem, sheet_reading.document(content.source), rows)
+    return ZoneSheet(path.stem, content.name, sheet_reading.document(content.source), rows)

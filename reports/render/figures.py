@@ -76,18 +76,25 @@ class Matrix:
         places: digits after the point.
         limits: values at the first and the last of the colours.
         colours: of the cells, as ``#rrggbb``, pale enough for dark digits; evenly between these.
+        empty: what is written into an empty cell.
+        bar: quantity and unit of a bar that shows the colours; empty for no bar.
     """
 
     values: Array
     places: int = 2
     limits: tuple[float, float] = (-1.0, 1.0)
     colours: tuple[str, ...] = ("#5AA6DC", "#FFFFFF", "#F0A35C")
+    empty: str = "–"
+    bar: str = ""
 
     @property
     def texts(self) -> list[list[str]]:
         """What is written into the cells."""
         return [
-            [f"{v:.{self.places}f}".replace("-", "−") if math.isfinite(v) else "–" for v in row]
+            [
+                f"{v:.{self.places}f}".replace("-", "−") if math.isfinite(v) else self.empty
+                for v in row
+            ]
             for row in self.values.tolist()
         ]
 

@@ -276,7 +276,9 @@ def _matrix(axes: Axes, matrix: Matrix) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
     colours, (low, high) = LinearSegmentedColormap.from_list("", matrix.colours), matrix.limits
-    axes.imshow(matrix.values, cmap=colours, vmin=low, vmax=high, aspect="auto", zorder=2)
+    cells = axes.imshow(matrix.values, cmap=colours, vmin=low, vmax=high, aspect="auto", zorder=2)
+    if matrix.bar:
+        axes.figure.colorbar(cells, ax=axes, label=plain(matrix.bar))
     for i, row in enumerate(matrix.texts):
         for k, text in enumerate(row):
             axes.text(k, i, text, ha="center", va="center", color="#222222", zorder=3)

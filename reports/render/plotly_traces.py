@@ -110,15 +110,18 @@ def shade_of(series: Series, axis: str, *, listed: bool) -> Json:
     }  # fmt: skip
 
 
-def matrix_of(matrix: Matrix, axis: str) -> Json:
+def matrix_of(matrix: Matrix, axis: str, *, small: bool) -> Json:
     """Cells with their numbers."""
     (rows, columns), last = matrix.values.shape, len(matrix.colours) - 1
+    font = {"color": INK, "size": FONT_PX - 5 if small else FONT_PX}
+    bar = {"title": {"text": text_of(matrix.bar), "side": "right"}, "thickness": 14, "len": 1.05}
     return {
         "type": "heatmap", "z": [_numbers(row) for row in matrix.values],
         "x": list(range(columns)), "y": list(range(rows)), "text": matrix.texts,
-        "texttemplate": "%{text}", "textfont": {"color": INK, "size": FONT_PX},
+        "texttemplate": "%{text}", "textfont": font,
         "colorscale": [[i / last, colour] for i, colour in enumerate(matrix.colours)],
-        "zmin": matrix.limits[0], "zmax": matrix.limits[1], "showscale": False,
+        "zmin": matrix.limits[0], "zmax": matrix.limits[1],
+        "showscale": bool(matrix.bar), "colorbar": bar,
         "xgap": 2, "ygap": 2, "hoverinfo": "text",
         "xaxis": f"x{axis}", "yaxis": f"y{axis}",
     }  # fmt: skip

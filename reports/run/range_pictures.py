@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,6 +40,9 @@ def _figure(run: Run, first: Trajectory, signal: str) -> Figure:
         _, whose, i, picture = worst
         panels.append(_panel(f"{whose}, {first.time_s[i]:g} s", picture, far))
         caption += f" On the right, where any source is most off: {whose}."
+    last = panels[-1]
+    assert last.matrix is not None
+    panels[-1] = replace(last, matrix=replace(last.matrix, bar="distance (m)"))
     name = signal.removesuffix(_RANGES)
     title = f"What {name} saw"
     return Figure(f"ranges-{name}", title, caption, tuple(panels), height=1.1)

@@ -29,12 +29,17 @@ def sensing(run: Run) -> Part | None:
 
 
 def _part(run: Run, sensor: SensorRecord) -> Part:
-    """One signal."""
+    """One signal; of many zones the long table of their sheet is folded away."""
+    drawn = tables.drawn_table(sensor)
+    is_long = sensor.zones is not None
+    deviations = tables.deviation_table(sensor)
+    folded = Part(drawn.title, tables=(drawn._replace(title=""),), folded=True)
     return Part(
         sensor.signal,
         figures=tuple(_figures(run, sensor)),
         facts=words.settings(sensor),
-        tables=(tables.drawn_table(sensor), tables.deviation_table(sensor)),
+        tables=(deviations,) if is_long else (drawn, deviations),
+        parts=(folded,) if is_long else (),
     )
 
 
@@ -47,4 +52,4 @@ def _figures(run: Run, sensor: SensorRecord) -> Iterator[Figure]:
         if (one.source, one.contact, one.signal) == (lead.source, lead.contact, sensor.signal):
             level = f" {runs.mode_words(one.contact)}" if one.contact else ""
             whose = f"the {TRUTH}" if one.source == TRUTH else f"{one.source}{level}"
-            yield reading_figure(sensor.signal, sensor.unit, sensor.axes, one.reading, whose)
+            yield reading_figure(sensor, one.reading, whose)

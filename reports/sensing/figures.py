@@ -7,29 +7,33 @@ from collections.abc import Iterator
 import numpy as np
 
 from simcompare import units
+from simcompare.hardware.sensors.drawn_zones import ZoneReading
 from simcompare.hardware.sensors.error_model import Reading
 from simcompare.hardware.sensors.signals import part_of
 from simcompare.reports.render.figures import Figure, Panel, Series
 from simcompare.reports.render.styles import Style
 from simcompare.reports.run import runs
+from simcompare.reports.sensing import zones
+from simcompare.results.records.sensing import SensorRecord
 
 _IDEAL = Style("#000000", width=2.0)
 _MEASURED = Style("#0072B2", width=1.0)
 _CUT = Style("#D55E00", marker="x")
 
 
-def reading_figure(signal: str, unit: str, axes: str, reading: Reading, whose: str) -> Figure:
-    """Measured and ideal over time.
+def reading_figure(sensor: SensorRecord, reading: Reading | ZoneReading, whose: str) -> Figure:
+    """Measured and ideal: over time, or the last frame of many zones.
 
     Args:
-        signal: such as "imu.rate_rad_s".
-        unit: of it, SI.
-        axes: letters of its axes.
-        reading: of the signal.
+        sensor: what was read.
+        reading: of its signal.
         whose: whose motion it is.
     """
+    signal, axes = sensor.signal, sensor.axes
+    if isinstance(reading, ZoneReading):
+        return zones.frame_figure(signal, reading, whose)
     panels = tuple(
-        Panel(f"axis {axes[i]}" if axes else "", "time (s)", _label(signal, unit), series)
+        Panel(f"axis {axes[i]}" if axes else "", "time (s)", _label(signal, sensor.unit), series)
         for i, series in enumerate(_rows(reading))
     )
     caption = (

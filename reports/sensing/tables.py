@@ -6,7 +6,7 @@ from simcompare.notation import capital
 from simcompare.reports.render import numbers
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
-from simcompare.reports.sensing import words
+from simcompare.reports.sensing import words, zones
 from simcompare.results.records.sensing import SensorRecord, SourceDeviation
 
 _DRAWN_COLUMNS = (
@@ -17,11 +17,12 @@ _DRAWN_NOTE = (
     "Each term is drawn once for the device, from what is known of any device; noise is drawn for"
     " every sample. u is the standard uncertainty."
 )
-_NOT_CONFIRMED = " A value marked * was not read in the maker's own text."
 
 
 def drawn_table(sensor: SensorRecord) -> Table:
     """The numbers of a device beside what is known of any device, and where that stands."""
+    if sensor.zones is not None:
+        return zones.numbers_table(sensor)
     groups: dict[str, list[tuple[str, ...]]] = {}
     for term in sensor.terms:
         value, known, unit = words.value_words(term)
@@ -30,7 +31,7 @@ def drawn_table(sensor: SensorRecord) -> Table:
         groups.setdefault(term.title, []).append(row)
     note = _DRAWN_NOTE
     if not all(term.confirmed for term in sensor.terms):
-        note += _NOT_CONFIRMED
+        note += words.NOT_CONFIRMED
     return Table(
         f"The device that reads {sensor.signal}",
         _DRAWN_COLUMNS,
@@ -41,6 +42,8 @@ def drawn_table(sensor: SensorRecord) -> Table:
 
 def deviation_table(sensor: SensorRecord) -> Table:
     """How far the reading of every source is off, axis by axis."""
+    if sensor.zones is not None:
+        return zones.deviation_table(sensor)
     unit = words.unit_words(sensor.unit).strip()
     behind = f" ({unit})" if unit else ""
     axes = sensor.deviations[0].axes if sensor.deviations else ()

@@ -6,6 +6,7 @@ import math
 
 from simcompare import notation, units
 from simcompare.hardware.sensors.drawn_terms import DrawnTerm
+from simcompare.hardware.sensors.multizone import NOTHING, TRUSTED
 from simcompare.model.sensor_errors import SIZES
 from simcompare.reports.render import numbers
 from simcompare.results.records.sensing import Sensing, SensorRecord, SourceDeviation
@@ -15,6 +16,10 @@ ONE_DEVICE = (
     "Each device was drawn once and is the same for every source. Engines and scores are ideal:"
     " nothing that a sensor reads goes into a score."
 )
+
+
+#: below a table of numbers with their sources
+NOT_CONFIRMED = " A value marked * was not read in the maker's own text."
 
 
 def lines(sensing: Sensing) -> list[str]:
@@ -30,7 +35,8 @@ def sensor_lines(sensor: SensorRecord) -> list[str]:
     leading = lead(sensor)
     if leading is None:
         return [f"{sensor.signal}: no source gives this signal, so there is nothing to read."]
-    return [f"{sensor.signal}, read by {_device_words(sensor)}: {_off_words(sensor, leading)}."]
+    told = _zones_words if sensor.zones is not None else _off_words
+    return [f"{sensor.signal}, read by {_device_words(sensor)}: {told(sensor, leading)}."]
 
 
 def lead(sensor: SensorRecord) -> SourceDeviation | None:
@@ -41,6 +47,9 @@ def lead(sensor: SensorRecord) -> SourceDeviation | None:
 
 def _device_words(sensor: SensorRecord) -> str:
     """Which device it is."""
+    if sensor.zones is not None:
+        count = sensor.zones.in_a_row
+        return f"one {sensor.chip} ({count}×{count} zones, {sensor.rate_Hz:g} frames a second)"
     if sensor.chip:
         return f"one {sensor.chip} ({sensor.part.replace('_', ' ')})"
     return "one device with the terms that were given"
@@ -56,6 +65,27 @@ def _off_words(sensor: SensorRecord, one: SourceDeviation) -> str:
     text += f" {'up to ' if len(one.axes) > 1 else ''}{numbers.plain(scatter, 2)}{unit}"
     whole = one.samples * len(one.axes)
     return f"{text}; {cut} of {whole} values saturated" if cut else text
+
+
+def _zones_words(sensor: SensorRecord, one: SourceDeviation) -> str:
+    """Mean deviation and scatter of what can be trusted, and how much cannot."""
+    whole = sum(one.statuses.values())
+    nothing, doubtful = counts_of(one)
+    told = {"see nothing": nothing, "are not to be trusted": doubtful}
+    missing = [f"{count} {what}" for what, count in told.items() if count]
+    rest = f"; of {whole} readings {' and '.join(missing)}" if missing else ""
+    if not one.axes:
+        return f"no reading can be trusted{rest}"
+    axis, unit = one.axes[0], unit_words(sensor.unit)
+    off = f"off by {signed(axis.mean)}{unit} in the mean"
+    return f"{off}, scatter {numbers.plain(axis.scatter, 2)}{unit}{rest}"
+
+
+def counts_of(one: SourceDeviation) -> tuple[int, int]:
+    """Readings of zones in which nothing was found, and those that are found and not trusted."""
+    nothing = one.statuses.get(str(NOTHING), 0)
+    trusted = sum(one.statuses.get(str(code), 0) for code in TRUSTED)
+    return nothing, sum(one.statuses.values()) - nothing - trusted
 
 
 def signed(value: float) -> str:
@@ -99,15 +129,30 @@ def settings(sensor: SensorRecord) -> dict[str, str]:
         "Bandwidth": f"{sensor.bandwidth_Hz:g} Hz, {_poles(sensor.poles)}"
         if math.isfinite(sensor.bandwidth_Hz)
         else "",
-        "Range": f"±{numbers.plain(sensor.full_scale, 4)}{unit}"
+        "Range": f"{'to ' if sensor.zones else '±'}{numbers.plain(sensor.full_scale, 4)}{unit}"
         if math.isfinite(sensor.full_scale)
         else "",
         "One count": f"{numbers.plain(sensor.resolution, 3)}{unit}" if sensor.resolution else "",
+        **_light(sensor),
         "Temperature": f"{sensor.temperature_C:g} °C",
         "Latency": notation.amount(sensor.latency_s, "s") if sensor.latency_s else "",
         "Jitter": notation.amount(sensor.jitter_s, "s") if sensor.jitter_s else "",
     }
     return {name: text for name, text in facts.items() if text}
+
+
+def _light(sensor: SensorRecord) -> dict[str, str]:
+    """What a range sensor of many zones looks at."""
+    zones = sensor.zones
+    if zones is None:
+        return {}
+    dark = ", ".join(f"{name} {100 * part:g} %" for name, part in zones.reflectance.items())
+    return {
+        "Light": f"{zones.ambient_klux:g} klux" if zones.ambient_klux else "dark",
+        "Reflectance": f"{dark}; all else as the white target" if dark else "as the white target",
+        "Cover glass": f"{zones.crosstalk:g}/m²" if zones.crosstalk else "",
+        "Of several targets": f"the {zones.order} is told",
+    }
 
 
 def _poles(count: int) -> str:

@@ -72,7 +72,8 @@ def run(
     sensor: list[str] = typer.Option(
         [],
         metavar="NAME=SHEET",
-        help="Read a sensor or signal as a real one does, such as imu=mpu6050.",
+        help="Read a sensor or signal as a real one does, such as imu=mpu6050; and its settings,"
+        " such as imu.rate_Hz=100.",
         autocompletion=complete.sensors,
     ),
     seed: int = typer.Option(0, help="Of all that is drawn for sensors."),

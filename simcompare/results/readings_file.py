@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -31,9 +32,8 @@ def save(run: Run, folder: Path) -> dict[str, Table]:
     Raises:
         OSError: it cannot be written.
     """
-    if not run.stored_readings:
-        return {}
-    return {READINGS: _write(folder / READINGS, run.stored_readings)}
+    found = [(one, one.reading) for one in run.stored_readings if isinstance(one.reading, Reading)]
+    return {READINGS: _write(folder / READINGS, found)} if found else {}
 
 
 def load(record: Record, folder: Path, again: str) -> tuple[StoredReading, ...]:
@@ -75,12 +75,12 @@ def _check(path: Path, columns: parquet.Columns, again: str) -> None:
         raise InputError(str(path), faults)
 
 
-def _write(path: Path, readings: tuple[StoredReading, ...]) -> Table:
-    blocks = [_columns(one.reading) for one in readings]
-    lengths = [len(one.reading.time_s) for one in readings]
+def _write(path: Path, readings: Sequence[tuple[StoredReading, Reading]]) -> Table:
+    blocks = [_columns(reading) for _, reading in readings]
+    lengths = [len(reading.time_s) for _, reading in readings]
     table = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     numbers = np.repeat(np.arange(len(readings)), lengths)
-    labels = [(i, *(getattr(one, name) for name in _INDEX)) for i, one in enumerate(readings)]
+    labels = [(i, *(getattr(one, name) for name in _INDEX)) for i, (one, _) in enumerate(readings)]
     index = ", ".join(_INDEX)
     with parquet.connect() as connection:
         _, *columns = parquet.register(connection, "samples", {"entry": numbers, **table})

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.comparison.comparison import FAIL
+from simcompare.hardware.sensors.drawn_zones import ZoneReading
 from simcompare.hardware.sensors.error_model import Reading
 from simcompare.model.trajectory import Trajectory
 from simcompare.results.records.run import Record
@@ -42,13 +43,13 @@ class StoredReading:
         source: name of the source.
         contact: its contact level, empty where it has none.
         signal: such as "imu.rate_rad_s".
-        reading: measured beside ideal.
+        reading: measured beside ideal; of many zones, frames.
     """
 
     source: str
     contact: str
     signal: str
-    reading: Reading
+    reading: Reading | ZoneReading
 
 
 @dataclass(frozen=True)

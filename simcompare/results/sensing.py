@@ -2,62 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 
-from simcompare.errors import InputError, SimcompareError
 from simcompare.hardware.sensors import reading as readings
-from simcompare.hardware.sensors.drawn import DrawnSensor, drawn
+from simcompare.hardware.sensors.drawn import DrawnSensor
+from simcompare.hardware.sensors.drawn_zones import DrawnZones, ZoneReading
 from simcompare.hardware.sensors.error_model import Reading
-from simcompare.hardware.sensors.signals import chosen
-from simcompare.model.scenario import Scenario
-from simcompare.model.sensor_errors import SensorErrors
+from simcompare.model.trajectory import Array
+from simcompare.results.asked_sensors import Drawn
 from simcompare.results.records.run import RunRecord
 from simcompare.results.records.sensing import (
     AxisDeviation,
     Sensing,
     SensorRecord,
     SourceDeviation,
+    ZoneSettings,
 )
 from simcompare.results.run import Run, Stored, StoredReading
 
 AnyRun = TypeVar("AnyRun", bound=Run)
 
 
-def asked_devices(
-    scenario: Scenario, sheets: Mapping[str, str | Path], seed: int
-) -> tuple[DrawnSensor, ...]:
-    """One device for each signal that a real sensor is to read.
-
-    Args:
-        scenario: the scene, which may say more of its sensors.
-        sheets: owner, signal or component -> data sheet.
-        seed: of all streams.
-
-    Raises:
-        InputError: unknown sensors, and sheets that do not exist or do not fit; all of them.
-    """
-    if seed < 0:
-        raise InputError("--seed", [f"{seed} is below 0; expected a whole number from 0 on"])
-    faults, found = [], {}
-    for name, sheet in sheets.items():
-        errors = SensorErrors.model_validate({"sheet": str(sheet)})
-        try:
-            devices_of(scenario, {name: errors}, seed)
-        except SimcompareError as error:
-            faults.append(f"{name}={sheet}: {error}")
-            continue
-        found[name] = errors
-    if faults:
-        raise InputError("--sensor", faults)
-    return devices_of(scenario, found, seed)
-
-
-def sensed(run: AnyRun, devices: Sequence[DrawnSensor], seed: int) -> AnyRun:
+def sensed(run: AnyRun, devices: Sequence[Drawn], seed: int) -> AnyRun:
     """The run with what sensors read of its nominal repeats; its scores stay as they are."""
     assert isinstance(run.record, RunRecord)
     middle = run.record.repeats // 2
@@ -67,48 +37,33 @@ def sensed(run: AnyRun, devices: Sequence[DrawnSensor], seed: int) -> AnyRun:
     return replace(run, record=record, stored_readings=read)
 
 
-def devices_of(
-    scenario: Scenario, asked: Mapping[str, SensorErrors], seed: int
-) -> tuple[DrawnSensor, ...]:
-    """The devices of a scenario's sensors, and of those that a user asks for.
-
-    Args:
-        scenario: the scene.
-        asked: owner, signal or component -> errors, in place of those of the scenario.
-        seed: of all streams.
-
-    Raises:
-        UnknownName: no such sensor, sheet or range.
-        InputError: a sheet that does not fit.
-    """
-    found: dict[str, DrawnSensor] = {}
-    for name, errors in {**scenario.sensor_errors(), **asked}.items():
-        signals = chosen(name, scenario.signals(), scenario.name)
-        found.update({one.signal: one for one in drawn(errors, signals, seed)})
-    return tuple(found.values())
-
-
 def read_all(
-    devices: Sequence[DrawnSensor], trajectories: Iterable[Stored], seed: int
+    devices: Sequence[Drawn], trajectories: Iterable[Stored], seed: int
 ) -> tuple[StoredReading, ...]:
     """What every device reads of every trajectory that has its signal."""
     found = []
     for one in trajectories:
         moved = one.trajectory
         for device in devices:
-            read = readings.read(device, moved.time_s, moved.signals, seed)
+            read: Reading | ZoneReading | None
+            if isinstance(device, DrawnZones):
+                read = device.read(moved, seed)
+            else:
+                read = readings.read(device, moved.time_s, moved.signals, seed)
             if read is not None:
                 found.append(StoredReading(one.source, one.contact, device.signal, read))
     return tuple(found)
 
 
-def record_of(
-    devices: Sequence[DrawnSensor], read: Sequence[StoredReading], seed: int
-) -> Sensing | None:
+def record_of(devices: Sequence[Drawn], read: Sequence[StoredReading], seed: int) -> Sensing | None:
     """What run.json says of it; ``None`` where there are no devices."""
     if not devices:
         return None
-    return Sensing(seed, tuple(_record(device, read) for device in devices))
+    records = (
+        _record_of_zones(device, read) if isinstance(device, DrawnZones) else _record(device, read)
+        for device in devices
+    )
+    return Sensing(seed, tuple(records))
 
 
 def _record(sensor: DrawnSensor, read: Sequence[StoredReading]) -> SensorRecord:
@@ -125,9 +80,47 @@ def _record(sensor: DrawnSensor, read: Sequence[StoredReading]) -> SensorRecord:
                 _deviations_of(one.reading, sensor.axes), one.reading.notes,
             )
             for one in read
-            if one.signal == sensor.signal
+            if one.signal == sensor.signal and isinstance(one.reading, Reading)
         ),
     )  # fmt: skip
+
+
+def _record_of_zones(sensor: DrawnZones, read: Sequence[StoredReading]) -> SensorRecord:
+    device = sensor.device
+    return SensorRecord(
+        signal=sensor.signal, unit="m", axes="", sheet=sensor.sheet.name, chip=sensor.sheet.chip,
+        part="zones", document=sensor.sheet.document, rate_Hz=device.rate_Hz, bandwidth_Hz=np.inf,
+        poles=0, full_scale=device.numbers.reach_m, resolution=device.numbers.count_m,
+        temperature_C=device.temperature_C, latency_s=device.latency_s, jitter_s=0.0,
+        terms=tuple(sensor.terms()),
+        deviations=tuple(
+            _deviation_of_zones(one, one.reading)
+            for one in read
+            if one.signal == sensor.signal and isinstance(one.reading, ZoneReading)
+        ),
+        zones=ZoneSettings(
+            in_a_row=device.zones, ambient_klux=device.ambient_klux, crosstalk=device.crosstalk,
+            order=device.order, reflectance=dict(sensor.reflectance),
+        ),
+    )  # fmt: skip
+
+
+def _deviation_of_zones(one: StoredReading, reading: ZoneReading) -> SourceDeviation:
+    """How far ranges are off where they can be trusted, and how often the chip says what."""
+    frames = reading.frames
+    off = (frames.range_m - reading.ideal)[frames.valid]
+    codes, counts = np.unique(frames.status, return_counts=True)
+    axes: tuple[AxisDeviation, ...] = ()
+    if len(off):
+        axes = (AxisDeviation("", float(off.mean()), float(off.std()), _rms(off), 0),)
+    return SourceDeviation(
+        one.source, one.contact, len(reading.time_s), axes,
+        statuses={str(c): n for c, n in zip(codes.tolist(), counts.tolist(), strict=True)},
+    )  # fmt: skip
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _deviations_of(reading: Reading, axes: str) -> tuple[AxisDeviation, ...]:
@@ -139,7 +132,7 @@ def _deviations_of(reading: Reading, axes: str) -> tuple[AxisDeviation, ...]:
     return tuple(
         AxisDeviation(
             letter.strip(), float(values.mean()), float(values.std()),
-            float(np.sqrt(np.mean(values**2))), int(cut[:, i].sum()),
+            _rms(values), int(cut[:, i].sum()),
         )
         for i, (letter, values) in enumerate(zip(letters, off.T, strict=True))
     )  # fmt: skip

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from simcompare.errors import InputError, UnknownName
+from simcompare.hardware.sensors.drawn_zones import ZoneReading
 from simcompare.hardware.sensors.error_model import Reading
 from simcompare.hardware.sensors.signals import owner_of
 from simcompare.model.trajectory import Array
@@ -38,6 +39,8 @@ def readings(
 ) -> pd.DataFrame:
     """One row for each sample: whose it is, time, ideal, measured and saturated of each axis.
 
+    Of many zones, one row for each zone of each frame, with the columns of zones.csv.
+
     Raises:
         UnknownName: no such signal, source or level was read.
         InputError: nothing was read.
@@ -66,8 +69,10 @@ def readings(
     return pd.concat(found, ignore_index=True)
 
 
-def columns(reading: Reading) -> dict[str, Array]:
-    """Time, and ideal, measured and saturated, a column for each axis."""
+def columns(reading: Reading | ZoneReading) -> dict[str, Array]:
+    """Time, and ideal, measured and saturated, a column for each axis; of zones, a row for each."""
+    if isinstance(reading, ZoneReading):
+        return reading.columns()
     found = {"time_s": reading.time_s}
     for kind in ("ideal", "measured", "saturated"):
         values = np.asarray(getattr(reading, kind))

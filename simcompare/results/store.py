@@ -22,7 +22,7 @@ from simcompare.model import cells, parquet, plain, user_file, whole
 from simcompare.model.parquet import Table
 from simcompare.model.settings import OLD_LEVELS
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.results import readings_file, unfinished
+from simcompare.results import readings_file, unfinished, zones_file
 from simcompare.results.records.run import Record
 from simcompare.results.run import Run, Stored
 from simcompare.results.unfinished import Unfinished
@@ -76,6 +76,7 @@ def save(
         tables = {
             **_write_trajectories(partial, run.trajectories),
             **readings_file.save(run, partial),
+            **zones_file.save(run, partial),
         }
         record = replace(run.record, run=str(place), tables=tables)
         _write_scores(partial / SCORES, run.record.scores)
@@ -132,7 +133,9 @@ def load(place: str | Path) -> Run:
     run = load_record(place)
     assert run.folder is not None
     trajectories = _read_trajectories(run.folder / TRAJECTORIES, run.record)
-    readings = readings_file.load(run.record, run.folder, _again(run.record))
+    again = _again(run.record)
+    readings = readings_file.load(run.record, run.folder, again)
+    readings += zones_file.load(run.record, run.folder, again)
     return replace(run, trajectories=tuple(trajectories), stored_readings=readings)
 
 
@@ -152,7 +155,9 @@ def load_record(place: str | Path) -> Run:
         raise _no_run(named)
     from simcompare.results.records import stored  # fits and validations are read nowhere else
 
-    return Run(stored.read(path, (TRAJECTORIES, readings_file.READINGS)), (), place)
+    return Run(
+        stored.read(path, (TRAJECTORIES, readings_file.READINGS, zones_file.ZONES)), (), place
+    )
 
 
 def _no_run(place: Path) -> InputError:

@@ -18,9 +18,20 @@ from simcompare.results.records.run import Record
 from simcompare.results.run import Run
 from simcompare.results.store import RECORD, SCORES, TRAJECTORIES
 from simcompare.results.unfinished import PARTS
+from simcompare.results.zones_file import ZONES
 
 #: what we write into the folder of a run
-_OURS = (RECORD, TRAJECTORIES, READINGS, SCORES, FIT, "report.html", "report.pdf", "report.md")
+_OURS = (
+    RECORD,
+    TRAJECTORIES,
+    READINGS,
+    ZONES,
+    SCORES,
+    FIT,
+    "report.html",
+    "report.pdf",
+    "report.md",
+)
 #: and into a folder in it, each with the name of the scenario
 _PICTURES, _PICTURE = "figures", r"(run1-)?{scenario}-[\w.-]+\.(png|svg)"
 #: what a new folder is called after

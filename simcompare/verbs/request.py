@@ -80,7 +80,7 @@ class RunRequest(Request):
     preset: Annotated[str | None, Option("--preset")] = None
     seeds: Annotated[int | None, Option("--seeds")] = None
     against: Annotated[Place | None, Option("--against")] = None
-    sensor: Annotated[Mapping[str, Place] | None, Option("--sensor")] = None
+    sensor: Annotated[Mapping[str, Place | float] | None, Option("--sensor")] = None
     seed: Annotated[int, Option("--seed")] = 0
 
 

@@ -39,7 +39,7 @@ def run(
     step: str | float | Sequence[str | float] | None = None,
     seeds: int | None = None,
     against: str | Path | None = None,
-    sensor: Mapping[str, str | Path] | None = None,
+    sensor: Mapping[str, str | Path | float] | None = None,
     seed: int = 0,
     out: str | Path | None = None,
     trust: bool = False,
@@ -73,8 +73,9 @@ def run(
         seeds: number of dithered repeats; the scenario's own where ``None``.
         against: table of measured bounces: a file or the name of a published one.
         sensor: sensor, joint, actuator or body, or one of their signals -> data sheet of a real
-            one, in place of the scenario's ``errors``. Engines and scores stay ideal; what it reads
-            is in ``readings``.
+            one, in place of the scenario's ``errors``; and its settings, such as
+            ``{"eye": "vl53l5cx", "eye.ambient_klux": 1}``. Engines and scores stay ideal; what it
+            reads is in ``readings``.
         seed: of all that is drawn for sensors.
         out: folder in which the run's own folder is made; nothing is stored where ``None``.
         trust: run the Python files beside the scenario, where it comes from elsewhere; a yes is

@@ -15,10 +15,9 @@ from simcompare.engine.by_hand import ByHand
 from simcompare.errors import InputError
 from simcompare.hardware.recordings import bounce_table
 from simcompare.hardware.recordings.bounce_table import BounceTable
-from simcompare.hardware.sensors.drawn import DrawnSensor
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, BY_HAND, CONTACT_LEVELS, Settings
-from simcompare.results import sensing
+from simcompare.results.asked_sensors import Drawn, asked_devices
 from simcompare.running.jobs import Job, Outcome
 from simcompare.scenarios import catalogue
 from simcompare.scenarios.scenario_file import ScenarioFile
@@ -55,7 +54,7 @@ class RunPlan:
     judged: list[str]
     preset: str | None
     steps: Sequence[AtStep]
-    devices: Sequence[DrawnSensor]
+    devices: Sequence[Drawn]
     jobs: Sequence[Job]
     refused: Sequence[Outcome]
 
@@ -100,7 +99,7 @@ def planned(request: RunRequest, *, trust: bool = False) -> RunPlan:
     sources = len(chosen) * len(modes)
     steps = at_steps(file, values, preset, steps_s or [usual_s], request.seeds, sources)
     own = by_hand.read(request.own or {}, chosen, steps[0].nominal)
-    devices = sensing.asked_devices(steps[0].nominal, request.sensor or {}, request.seed)
+    devices = asked_devices(steps[0].nominal, request.sensor or {}, request.seed)
     jobs = [
         job
         for name in chosen

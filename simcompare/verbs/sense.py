@@ -7,20 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from simcompare.arguments import checked
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import signals as names
 from simcompare.hardware.sensors.device import Device
-from simcompare.hardware.sensors.drawn import DrawnSensor, drawn
-from simcompare.model import sensor_errors
+from simcompare.hardware.sensors.drawn import DrawnSensor
 from simcompare.model.recording import Recording
-from simcompare.model.sensor_errors import SensorErrors
+from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.model.yaml_file import describe, faults_of
-from simcompare.results import frames, sensing
+from simcompare.results import frames, run_record, sensing
+from simcompare.results.asked_sensors import Drawn, devices_of
 from simcompare.results.run import Run, Stored
+from simcompare.scenarios import catalogue
 from simcompare.verbs.sensed import Sensed
 
 Thing = Trajectory | Run | Recording
@@ -47,10 +46,12 @@ def sense(
         simcompare.sense(run, "left.angle_rad", {"rate_Hz": 100, "noise_rad_per_rtHz": 0.001})
 
     Args:
-        thing: a trajectory, a run or a recording.
+        thing: a trajectory, a run or a recording; a run, where many zones look at its scene.
         signal: sensor or signal, such as "imu", "imu.rate_rad_s" or "chassis.position_m.x"; of a
             recording a channel, or three for the axes x, y, z.
-        device: name or file of a data sheet, a device, or terms as under ``errors`` of a scenario.
+        device: name or file of a data sheet, a device, or terms as under ``errors`` of a scenario;
+            of many zones also ``ambient_klux``, ``crosstalk``, ``order`` and ``reflectance``, as in
+            ``{"sheet": "vl53l5cx", "ambient_klux": 1, "reflectance": {"ball": 0.1}}``.
         seed: of the device that is drawn, and of its noise.
         engine: of a run; the truth where there is one, where ``None``.
         contact: contact level of that engine; the last one where ``None``.
@@ -69,7 +70,7 @@ def sense(
             raise InputError("signal", ["only a recording has its axes in channels; give one name"])
         whose, moved = _moved(thing, engine, contact)
         wanted = names.chosen(signal, names.widths(moved.signals), whose)
-    devices = _devices(device, wanted, moved.time_s, seed)
+    devices = _devices(device, wanted, moved.time_s, seed, thing)
     read = sensing.read_all(devices, [Stored(whose, "", 0, moved)], seed)
     found = sensing.record_of(devices, read, seed)
     assert found is not None
@@ -112,25 +113,27 @@ def _devices(
     wanted: Mapping[str, int],
     time_s: Array,
     seed: int,
-) -> tuple[DrawnSensor, ...]:
+    thing: Thing,
+) -> tuple[Drawn, ...]:
     if isinstance(device, Device):
         return tuple(
             DrawnSensor(name, names.unit_of(name), "xyz" if width == 3 else "", device, ())
             for name, width in wanted.items()
         )
     said = device if isinstance(device, Mapping) else {"sheet": str(device)}
-    return drawn(_errors(said, wanted, time_s), wanted, seed)
-
-
-def _errors(said: Mapping[str, Any], wanted: Mapping[str, int], time_s: Array) -> SensorErrors:
-    """Terms that were given as a mapping, checked as those of a scenario's file are."""
-    try:
-        errors = SensorErrors.model_validate(dict(said))
-    except ValidationError as error:
-        raise InputError("device", describe(faults_of(error, SensorErrors), {})) from None
-    parts = {names.part_of(name): width for name, width in wanted.items()}
     rate_Hz = (len(time_s) - 1) / float(time_s[-1] - time_s[0]) if len(time_s) > 1 else 1.0
-    faults = dict(sensor_errors.faults_of(errors, parts, rate_Hz))
-    if faults:
-        raise InputError("device", describe(faults, {}))
-    return errors
+    looks = any(map(names.is_zones, wanted.values()))
+    scene = _scene_of(thing) if looks and isinstance(thing, Run) else None
+    return devices_of(said, wanted, rate_Hz, seed, scene)
+
+
+def _scene_of(run: Run) -> Scenario:
+    """The scenario of a run, in which a range sensor looks.
+
+    Raises:
+        SimcompareError: its file is gone, or is another one now.
+    """
+    file = catalogue.load(str(run.record.scenario_asked or run.record.scenario))
+    if run_record.sha256_of(file) != run.record.scenario_sha256:
+        raise InputError(str(file.path), ["is not what was run; run it again"])
+    return file.resolve(run.record.parameters)

@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 from simcompare.arguments import checked
 from simcompare.errors import UnknownName
 from simcompare.hardware.sensors.device import Device
-from simcompare.hardware.sensors.drawn import DrawnSensor
+from simcompare.hardware.sensors.drawn_zones import ZoneReading
 from simcompare.hardware.sensors.error_model import Reading
+from simcompare.hardware.sensors.multizone import Multizone
 from simcompare.reports.render import frames, matplotlib_
 from simcompare.reports.render.figures import Figure
 from simcompare.reports.render.glance import Glance
 from simcompare.reports.render.shown import Shown
 from simcompare.reports.sensing import figures, tables, words
 from simcompare.results import sensing_frames
+from simcompare.results.asked_sensors import Drawn
 from simcompare.results.records.sensing import Sensing, SensorRecord
 
 if TYPE_CHECKING:
@@ -44,16 +46,16 @@ class Sensed(Shown):
 
     whose: str
     record: Sensing
-    drawn: tuple[DrawnSensor, ...]
-    readings: Mapping[str, Reading]
+    drawn: tuple[Drawn, ...]
+    readings: Mapping[str, Reading | ZoneReading]
 
     @property
-    def reading(self) -> Reading:
+    def reading(self) -> Reading | ZoneReading:
         """The reading of the first signal."""
         return next(iter(self.readings.values()))
 
     @property
-    def devices(self) -> dict[str, Device]:
+    def devices(self) -> dict[str, Device | Multizone]:
         """Signal -> the device that reads it."""
         return {one.signal: one.device for one in self.drawn}
 
@@ -70,6 +72,8 @@ class Sensed(Shown):
     def samples(self, signal: str | None = None) -> pd.DataFrame:
         """Time, ideal, measured and saturated, one row a sample; the first signal where ``None``.
 
+        Of many zones one row for each zone of each frame: ideal, range, status, targets and sigma.
+
         Raises:
             UnknownName: no such signal was read.
         """
@@ -81,6 +85,8 @@ class Sensed(Shown):
     @checked
     def plot(self, signal: str | None = None) -> Canvas:
         """Measured beside ideal, a panel for each axis; the first signal where ``None``.
+
+        Of many zones the last frame of those in which most is missing.
 
         Raises:
             UnknownName: no such signal was read.
@@ -94,8 +100,7 @@ class Sensed(Shown):
         return known[signal] if signal is not None else self.record.sensors[0]
 
     def _figure(self, one: SensorRecord) -> Figure:
-        reading = self.readings[one.signal]
-        return figures.reading_figure(one.signal, one.unit, one.axes, reading, self.whose)
+        return figures.reading_figure(one, self.readings[one.signal], self.whose)
 
     def _glance(self) -> Glance:
         first = self.record.sensors[0]
@@ -106,7 +111,7 @@ class Sensed(Shown):
                 line for one in self.record.sensors for line in words.sensor_lines(one)
             ),
             table=tables.drawn_table(first) if first.terms else tables.deviation_table(first),
-            notes=self.reading.notes,
+            notes=self.reading.notes if isinstance(self.reading, Reading) else (),
             figure=self._figure(first),
             more="More: .samples(signal), .table(signal), .plot(signal), .readings, .devices",
         )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from simcompare.hardware.sensors.drawn_terms import DrawnTerm
 from simcompare.model.plain import Finite
@@ -34,9 +35,10 @@ class SourceDeviation:
     Attributes:
         source: whose motion was read.
         contact: its contact level, empty where it has none.
-        samples: of the reading.
-        axes: one for each axis.
+        samples: of the reading; of many zones, frames.
+        axes: one for each axis; of many zones, one over all that can be trusted.
         notes: what the reader should know.
+        statuses: of many zones, what the chip says of them -> how often.
     """
 
     source: str
@@ -44,6 +46,26 @@ class SourceDeviation:
     samples: int
     axes: tuple[AxisDeviation, ...]
     notes: tuple[str, ...] = ()
+    statuses: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ZoneSettings:
+    """How a range sensor of many zones looks, and at what.
+
+    Attributes:
+        in_a_row: zones, and rows.
+        ambient_klux: light on the scene.
+        crosstalk: what a cover glass sends back [1/m²].
+        order: which of several targets in a zone is told.
+        reflectance: of bodies of which one is said.
+    """
+
+    in_a_row: int
+    ambient_klux: float
+    crosstalk: float
+    order: str
+    reflectance: Mapping[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +90,7 @@ class SensorRecord:
         jitter_s: standard deviation of the instant of a sample.
         terms: what was drawn, and what every device of its kind has.
         deviations: one for each source.
+        zones: of a range sensor of many zones.
     """
 
     signal: str
@@ -87,6 +110,7 @@ class SensorRecord:
     jitter_s: float
     terms: tuple[DrawnTerm, ...] = ()
     deviations: tuple[SourceDeviation, ...] = ()
+    zones: ZoneSettings | None = None
 
 
 @dataclass(frozen=True)
