@@ -16,9 +16,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     PositiveFloat,
     ValidationError,
@@ -29,6 +27,7 @@ from pydantic import (
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.drive import Drive
 from simcompare.model.estimate_plan import RecordedPlan
+from simcompare.model.frozen import Frozen
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
 #: kinds of joints: what turns, and what slides
@@ -37,15 +36,11 @@ REVOLUTE, PRISMATIC = "revolute", "prismatic"
 UNKNOWN = "?"
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
 #: a unit; the number 1 is that of plain numbers
 _Unit = Annotated[str, BeforeValidator(lambda unit: "1" if unit == 1 else unit)]
 
 
-class _Column(_Part):
+class _Column(Frozen):
     """A column and its unit, which a template leaves open where the log does not say."""
 
     @model_validator(mode="after")
@@ -122,7 +117,7 @@ class ChannelMap(_Column):
         return (self.column,) if isinstance(self.column, str) else self.column
 
 
-class Mapping(_Part):
+class Mapping(Frozen):
     """A whole mapping file.
 
     Attributes:

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from simcompare import notation, units
 from simcompare.errors import InputError, UnknownName
 from simcompare.model import expressions
 from simcompare.model.fittable import Fittable
+from simcompare.model.frozen import Frozen
 from simcompare.model.plain import Plain
 from simcompare.model.scenario import Scenario
 from simcompare.model.signals import Signal
@@ -36,7 +37,7 @@ _NEAR_1 = 0.01
 SCHEMA_PATH = Path(__file__).with_name("scenario.schema.json")
 
 
-class Parameter(BaseModel):
+class Parameter(Frozen):
     """A number that the user may set; its unit is in its name.
 
     Attributes:
@@ -45,8 +46,6 @@ class Parameter(BaseModel):
         max: largest value that makes sense.
         text: one sentence on what it is.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     value: float
     min: float
@@ -60,10 +59,8 @@ class Parameter(BaseModel):
         return self
 
 
-class Preset(BaseModel):
+class Preset(Frozen):
     """A named set of parameter values with the source of the numbers."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     text: str
     set: Mapping[str, float]

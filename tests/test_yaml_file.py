@@ -1,13 +1,16 @@
 """YAML of users: no file hangs the program, and faults are told in plain words."""
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 
 from simcompare.errors import InputError
 from simcompare.hardware import mapping as mappings
 from simcompare.model import yaml_file
+from simcompare.model.frozen import Frozen
 
 
 def bomb(first, line):
@@ -76,3 +79,50 @@ def test_faults_are_told_in_plain_words(write, line, words):
     assert f"line 2, {words}" in text or words in text
     assert "Input should" not in text
     assert "valid" not in text
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1e3", 1000.0), ("1.5e-3", 0.0015), (".5", 0.5), ("4.", 4.0), ("010", 10), ("0x29", 41),
+        ("-3", -3), ("1:30", "1:30"), ("1_000", "1_000"), ("no", "no"), ("true", True),
+        ("0,5", "0,5"), ("~", None),
+    ],
+)  # fmt: skip
+def test_numbers_and_truth_values_are_those_of_yaml_1_2(write, text, value):
+    """Version 1.1 takes 1:30 for 90, 010 for 8, no for false, and 1e3 for a text."""
+    (read,) = yaml_file.read_yaml(write("plain.yaml", f"- {text}\n"))[0]
+    assert read == value
+    assert type(read) is type(value)
+
+
+def test_a_pin_that_is_called_no_keeps_its_name(write):
+    assert yaml_file.read_yaml(write("pins.yaml", "NO: 1\n"))[0] == {"NO": 1}
+
+
+class Inner(Frozen):
+    switch: bool
+
+
+class Outer(Frozen):
+    number: float
+    edges: tuple[float, float]
+    named: Mapping[str, float]
+    count: int | None = None
+    either: bool | float = 0.0
+    inner: Inner
+
+
+def test_a_truth_value_is_no_number_and_is_told_at_its_place():
+    inner = {"switch": True}
+    right = {"number": 1, "edges": [1, 2], "named": {"a": 1}, "either": True, "inner": inner}
+    assert Outer.model_validate(right).either is True
+    wrong = {"number": True, "edges": [1, False], "named": {"a": True}, "count": True}
+    with pytest.raises(ValidationError) as error:
+        Outer.model_validate({**right, **wrong})
+    assert yaml_file.faults_of(error.value) == {
+        "number": "expected a number, found 'true'",
+        "edges.1": "expected a number, found 'false'",
+        "named.a": "expected a number, found 'true'",
+        "count": "expected a whole number, found 'true'",
+    }

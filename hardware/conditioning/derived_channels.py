@@ -20,11 +20,12 @@ from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, TypeAdapter, ValidationError
+from pydantic import Field, PositiveFloat, TypeAdapter, ValidationError
 
 from simcompare import units
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning import derived_motion
+from simcompare.model.frozen import Frozen
 from simcompare.model.recording import Channel, Conversion, Recording, Stream
 from simcompare.model.trajectory import Array
 from simcompare.model.yaml_file import describe, faults_of
@@ -37,11 +38,7 @@ MIN_FILTERED = 30
 ORDER = 2
 
 
-class _Wish(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class _OfChannels(_Wish):
+class _OfChannels(Frozen):
     of: tuple[str, ...]
 
     def names(self) -> tuple[str, ...]:
@@ -49,7 +46,7 @@ class _OfChannels(_Wish):
         return self.of
 
 
-class WheelRates(_Wish):
+class WheelRates(Frozen):
     """Rates of two wheels from increments of way and heading.
 
     Attributes:

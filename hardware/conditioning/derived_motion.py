@@ -8,10 +8,11 @@ from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from simcompare import units
 from simcompare.errors import InputError
+from simcompare.model.frozen import Frozen
 from simcompare.model.recording import Channel, Stream
 from simcompare.model.trajectory import Array
 
@@ -19,7 +20,7 @@ from simcompare.model.trajectory import Array
 _UNSURE = 0.1
 
 
-class Angle(BaseModel):
+class Angle(Frozen):
     """The angle of a line from a pivot to a point, from hanging, and its length: ``angle``.
 
     It is positive towards +x and counted on through whole turns.
@@ -31,8 +32,6 @@ class Angle(BaseModel):
         down: the direction in which the line hangs; "+y" where y is counted downwards.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
     function: Literal["angle"]
     of: Annotated[tuple[str, ...], Field(min_length=2, max_length=2)]
     pivot: tuple[float, float] | None = None
@@ -43,14 +42,12 @@ class Angle(BaseModel):
         return self.of
 
 
-class Rate(BaseModel):
+class Rate(Frozen):
     """How fast channels change, ``…_rate``: the slope between the samples before and after.
 
     Attributes:
         of: channels.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     function: Literal["rate"]
     of: Annotated[tuple[str, ...], Field(min_length=1)]

@@ -14,10 +14,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, PositiveFloat
+from pydantic import PositiveFloat
 
 from simcompare.errors import InputError
 from simcompare.hardware.conditioning.strict import refused
+from simcompare.model.frozen import Frozen
 from simcompare.model.recording import WARNING, Recording, Repair
 from simcompare.model.trajectory import Array
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:  # looked for in drives alone
 LEAST = 10
 
 
-class Drive(BaseModel):
+class Drive(Frozen):
     """Which channels are the wheels and the place of a robot.
 
     Attributes:
@@ -40,8 +41,6 @@ class Drive(BaseModel):
         x: channel with the true place.
         y: channel with the true place.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     left: str
     right: str

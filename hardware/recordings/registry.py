@@ -14,11 +14,12 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from simcompare.errors import InputError, OutputError, UnknownName
 from simcompare.hardware.recordings import download
 from simcompare.model.estimate_plan import RecordedPlan
+from simcompare.model.frozen import Frozen
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
 #: environment variable with a folder that holds the recordings
@@ -26,18 +27,14 @@ FOLDER_VARIABLE = "SIMCOMPARE_DATA"
 _FOLDER = Path(__file__).parent
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class Source(_Part):
+class Source(Frozen):
     """Repository and commit that a data set was published in."""
 
     repository: str = Field(pattern=r"^[\w.-]+/[\w.-]+$")
     commit: str = Field(pattern=r"^[0-9a-f]{40}$")
 
 
-class File(_Part):
+class File(Frozen):
     """One file of a data set.
 
     Attributes:
@@ -53,7 +50,7 @@ class File(_Part):
     size_bytes: Annotated[int, Field(gt=0)]
 
 
-class DataSet(_Part):
+class DataSet(Frozen):
     """A public recording.
 
     Attributes:

@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from pydantic import Field
 
 from simcompare.hardware.robot.pins import Pin, Role, Wire
-from simcompare.model.shapes import Frozen, Vector
+from simcompare.model.frozen import Frozen
+from simcompare.model.shapes import Vector
 from simcompare.model.words import Line, Name
 
 

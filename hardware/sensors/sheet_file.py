@@ -7,9 +7,10 @@ from datetime import date
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BeforeValidator, Field, ValidationError
 
 from simcompare.errors import InputError
+from simcompare.model.frozen import Frozen
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 
 
@@ -26,11 +27,7 @@ Date = Annotated[str, BeforeValidator(_text)]
 Page = int | Text
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class SourceFile(_Strict):
+class SourceFile(Frozen):
     """Which document the values were read in."""
 
     document: Text
@@ -39,7 +36,7 @@ class SourceFile(_Strict):
     read: str = ""
 
 
-class RangeFile(_Strict):
+class RangeFile(Frozen):
     """One full scale: where readings are cut off, and the size of one count."""
 
     full_scale: Value
@@ -48,7 +45,7 @@ class RangeFile(_Strict):
     confirmed: bool
 
 
-class EntryFile(_Strict):
+class EntryFile(Frozen):
     """One line of a data sheet.
 
     Attributes:
@@ -111,7 +108,7 @@ _KINDS = {
 }
 
 
-class UsualFile(_Strict):
+class UsualFile(Frozen):
     """Settings that hold where none are given."""
 
     range: str
@@ -119,7 +116,7 @@ class UsualFile(_Strict):
     bandwidth: Value | None = None
 
 
-class PartFile(_Strict):
+class PartFile(Frozen):
     """One sensor of a chip.
 
     Attributes:
@@ -154,7 +151,7 @@ class PartFile(_Strict):
     entries: tuple[EntryFile, ...] = Field(min_length=1)
 
 
-class ZoneFile(_Strict):
+class ZoneFile(Frozen):
     """One number of a range sensor of many zones, in the SI unit that its name ends with.
 
     Attributes:
@@ -174,7 +171,7 @@ class ZoneFile(_Strict):
     source: str = ""
 
 
-class ZonesFile(_Strict):
+class ZonesFile(Frozen):
     """What a range sensor of many zones has in all modes, and with 4 or 8 zones in a row."""
 
     both: tuple[ZoneFile, ...]
@@ -182,7 +179,7 @@ class ZonesFile(_Strict):
     eight: tuple[ZoneFile, ...]
 
 
-class SheetFile(_Strict):
+class SheetFile(Frozen):
     """A data sheet: one chip with its parts."""
 
     name: Text

@@ -9,8 +9,6 @@ from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import (
-    BaseModel,
-    ConfigDict,
     Field,
     NonNegativeFloat,
     PositiveFloat,
@@ -20,13 +18,12 @@ from pydantic import (
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.hardware.mapping import UNKNOWN
+from simcompare.model.frozen import Frozen
 from simcompare.model.scenario import Scenario
 from simcompare.model.yaml_file import describe, faults_of
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
+class _Part(Frozen):
     @model_validator(mode="after")
     def _filled_in(self) -> Self:
         if getattr(self, "channel", None) == UNKNOWN:

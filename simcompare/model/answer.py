@@ -8,7 +8,7 @@ from string import Formatter
 from pydantic import Field
 
 from simcompare.errors import UnknownName
-from simcompare.model.shapes import Frozen
+from simcompare.model.frozen import Frozen
 
 #: what stands for the leading measure in the templates of an answer
 VALUE = "value"

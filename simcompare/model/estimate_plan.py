@@ -7,8 +7,8 @@ from typing import Annotated
 
 from pydantic import Field, PositiveFloat
 
+from simcompare.model.frozen import Frozen
 from simcompare.model.sensor_errors import SensorErrors
-from simcompare.model.shapes import Frozen
 
 
 class EstimatePlan(Frozen):

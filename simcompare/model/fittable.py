@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from simcompare import units
 from simcompare.errors import UnknownName
+from simcompare.model.frozen import Frozen
 
 BOUNCES, WAVEFORM, TOSSES = "bounces", "waveform", "tosses"
 #: kind of fit -> part of a parameter in it -> its unit; several where it has several components
@@ -30,7 +31,7 @@ Three = tuple[str, str, str]
 Four = tuple[str, str, str, str]
 
 
-class Grid(BaseModel):
+class Grid(Frozen):
     """Where a parameter is sought on a grid that is made finer.
 
     Attributes:
@@ -39,8 +40,6 @@ class Grid(BaseModel):
         max: largest value that is tried.
         usual: whether it is sought where the user names no unknowns.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     spacing: float = Field(gt=0)
     min: float
@@ -56,7 +55,7 @@ class Grid(BaseModel):
         return self
 
 
-class Fittable(BaseModel):
+class Fittable(Frozen):
     """What of a scenario can be fitted to a measurement, and how.
 
     By bounces and by tosses, each role is the name of the scenario's parameter that plays it; a
@@ -83,8 +82,6 @@ class Fittable(BaseModel):
         start_rate: about its own axes: x, y, z [rad/s].
         grids: by tosses, parameter -> where it is sought.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     by: Literal["bounces", "waveform", "tosses"]
     parameters: tuple[str, ...] = Field(min_length=1)

@@ -14,9 +14,10 @@ from pydantic import Field, PositiveFloat, field_validator, model_validator
 
 from simcompare.model.answer import Answer
 from simcompare.model.estimate_plan import EstimatePlan
+from simcompare.model.frozen import Frozen
 from simcompare.model.sensor import MOST_COMPONENTS, Sensor
 from simcompare.model.sensor_errors import ERRORS, SensorErrors
-from simcompare.model.shapes import Frozen, Nonnegative, Pose, Shape, Vector, not_zero
+from simcompare.model.shapes import Nonnegative, Pose, Shape, Vector, not_zero
 from simcompare.model.signals import Signal
 from simcompare.model.trajectory import BODY_SIGNALS
 from simcompare.model.validity import Condition

@@ -35,7 +35,8 @@ from pydantic import (
 
 from simcompare import units
 from simcompare.errors import UnknownName
-from simcompare.model.shapes import Frozen, Nonnegative, Quaternion
+from simcompare.model.frozen import Frozen
+from simcompare.model.shapes import Nonnegative, Quaternion
 
 #: engines simulate ideal readings; errors are added to what was simulated
 ERRORS = "what a real device would add to the ideal readings"

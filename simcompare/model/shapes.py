@@ -6,23 +6,17 @@ import math
 from typing import Annotated, Literal
 
 from pydantic import (
-    BaseModel,
-    ConfigDict,
     Field,
     PositiveFloat,
     field_validator,
     model_validator,
 )
 
+from simcompare.model.frozen import Frozen
+
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 Nonnegative = Annotated[float, Field(ge=0)]
-
-
-class Frozen(BaseModel):
-    """Base of every part of a scenario: immutable, finite numbers, no unknown keys."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Pose(Frozen):

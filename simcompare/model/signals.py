@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, PositiveFloat, model_validator
 
-from simcompare.model.shapes import Frozen
+from simcompare.model.frozen import Frozen
 
 Array = NDArray[np.float64]
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from simcompare.model.frozen import Frozen
 
 
-class TabledColumn(BaseModel):
+class TabledColumn(Frozen):
     """What a column that holds a parameter or a measured value may be called.
 
     Attributes:
@@ -17,14 +19,12 @@ class TabledColumn(BaseModel):
         event: which event of a value that is measured once per event, first is 1.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
     called: tuple[str, ...] = ()
     counted: tuple[str, ...] = ()
     event: Annotated[int, Field(ge=1)] | None = None
 
 
-class Assumed(BaseModel):
+class Assumed(Frozen):
     """What is assumed of a parameter that a table does not tell.
 
     Attributes:
@@ -33,14 +33,12 @@ class Assumed(BaseModel):
         reason: why so; what says nothing of the experiment, such as a duration, needs none.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
     value: float | str
     u: str | float | None = None
     reason: str = ""
 
 
-class Tabled(BaseModel):
+class Tabled(Frozen):
     """What a scenario says of tables of results.
 
     Attributes:
@@ -49,8 +47,6 @@ class Tabled(BaseModel):
         tells: parameter that such a table tells by the closed form.
         offset: parameter of a column that may be off by the same amount in all rows.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     columns: Mapping[str, TabledColumn] = Field(min_length=1)
     assume: Mapping[str, Assumed] = Field(default_factory=dict)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from simcompare.model.frozen import Frozen
 
 
-class KnownBy(BaseModel):
+class KnownBy(Frozen):
     """How well one parameter is known.
 
     Attributes:
@@ -15,13 +17,11 @@ class KnownBy(BaseModel):
         reason: by what it was measured, or where that is written.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
     u: str | float = Field(description="such as 2%, 0.1mm (standard), ±5g (limits), '1g, dof 4'")
     reason: str = Field(min_length=10)
 
 
-class Uncertain(BaseModel):
+class Uncertain(Frozen):
     """What a scenario says of the uncertainty of its parameters.
 
     Attributes:
@@ -29,8 +29,6 @@ class Uncertain(BaseModel):
             here. A per cent of a parameter that is 0 says nothing.
         formulas: result -> its closed form in the parameters, for many trials of Monte Carlo.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     inputs: Mapping[str, KnownBy] = Field(default_factory=dict)
     formulas: Mapping[str, str] = Field(default_factory=dict)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field, field_validator
 
 from simcompare.model.answer import VALUE, placeholders
-from simcompare.model.shapes import Frozen
+from simcompare.model.frozen import Frozen
 from simcompare.notation import sentence
 
 #: what stands for the largest value at which the truth holds

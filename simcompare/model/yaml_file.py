@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
 
 import yaml
 from pydantic import BaseModel, ValidationError
@@ -19,6 +19,37 @@ from simcompare.model.plain import Plain
 #: size of a file, its parts, and those that aliases may stand for beside them: far more than a
 #: scenario or a mapping needs, and read in seconds
 _MAX_MB, _MAX_PARTS, _MAX_ALIASED = 1.0, 50_000, 100_000
+
+#: what YAML 1.2 takes for a truth value or a number (its core schema, chapter 10.3.2); version 1.1,
+#: which PyYAML reads, also takes 1:30 for 90, 010 for 8, no for false, and 1e3 for a text
+_CORE = {
+    "bool": ("true|True|TRUE|false|False|FALSE", "tTfF"),
+    "int": ("[-+]?[0-9]+|0x[0-9a-fA-F]+", "-+0123456789"),
+    "float": (
+        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+        "-+.0123456789",
+    ),
+}
+
+
+class _Loader(yaml.SafeLoader):
+    """Reads truth values and numbers as YAML 1.2 does."""
+
+    yaml_implicit_resolvers: ClassVar = {
+        first: [(tag, pattern) for tag, pattern in known if tag.rpartition(":")[2] not in _CORE]
+        for first, known in yaml.SafeLoader.yaml_implicit_resolvers.items()
+    }
+
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        """A whole number; 010 is ten."""
+        return int(node.value, 16 if "x" in node.value else 10)
+
+
+for _kind, (_pattern, _first) in _CORE.items():
+    _Loader.add_implicit_resolver(
+        f"tag:yaml.org,2002:{_kind}", re.compile(f"(?:{_pattern})$"), list(_first)
+    )
+_Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
 
 
 def read_yaml(path: Path) -> tuple[Any, dict[str, int], dict[str, str]]:
@@ -57,7 +88,7 @@ def _line(text: str, number: int) -> str:
 
 def _content(path: Path, text: str, lines: dict[str, int], faults: dict[str, str]) -> Any:  # noqa: ANN401
     """What a YAML text holds; the lines of its places and its faults are added."""
-    loader = yaml.SafeLoader(text)
+    loader = _Loader(text)
     try:
         node = loader.get_single_node()
         if node is None:
@@ -131,9 +162,19 @@ def faults_of(error: ValidationError, model: type[BaseModel] | None = None) -> d
         if model is not None and item["type"] == "extra_forbidden":
             faults[place] = _unknown_key(model, item["loc"])
             continue
-        shown = "" if isinstance(value, dict | list) else f", found {value!r:.200}"
-        faults[place] = f"{message}{shown}"
+        faults[place] = f"{message}{_found(value)}"
     return faults
+
+
+def _found(value: object) -> str:
+    """What stands in the file, as it is written there."""
+    if isinstance(value, dict | list):
+        return ""
+    if isinstance(value, bool):
+        return f", found {str(value).lower()}"
+    if isinstance(value, str) and re.fullmatch(r"[-+]?\d+,\d+", value):
+        return f", found {value!r}; write a point: {value.replace(',', '.')}"
+    return ", found nothing" if value is None else f", found {value!r:.200}"
 
 
 def _unknown_key(model: type[BaseModel], loc: tuple[int | str, ...]) -> str:

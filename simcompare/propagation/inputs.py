@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, RootModel, ValidationError, model_validator
+from pydantic import RootModel, ValidationError, model_validator
 
 from simcompare import units
 from simcompare.errors import InputError, UnknownName
+from simcompare.model.frozen import Frozen
 from simcompare.model.yaml_file import describe, faults_of, read_yaml
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.statistics.distributions import Distribution
@@ -73,8 +74,7 @@ class InputsFile:
     correlation: Correlation
 
 
-class _Entry(BaseModel):
-    model_config = ConfigDict(extra="forbid")
+class _Entry(Frozen):
     value: str | float | None = None
     u: str | float | None = None
     reason: str = GIVEN
@@ -90,7 +90,7 @@ class _Content(RootModel[dict[str, _Entry]]):
     pass
 
 
-class _Pairs(BaseModel):
+class _Pairs(Frozen):
     correlation: tuple[tuple[str, str, float], ...] = ()
 
 
