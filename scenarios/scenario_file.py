@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 from simcompare import notation, units
 from simcompare.errors import InputError, UnknownName
 from simcompare.model import expressions
+from simcompare.model.expressions import Template
 from simcompare.model.fittable import Fittable
 from simcompare.model.frozen import Frozen
 from simcompare.model.plain import Plain
@@ -138,6 +140,10 @@ class ScenarioFile:
                 raise UnknownName(f"input of {self.name}", name, scenario.inputs)
         return scenario.model_copy(update={"inputs": {**scenario.inputs, **(inputs or {})}})
 
+    @functools.cached_property
+    def _template(self) -> Template:
+        return Template(self.tree)
+
     def of_preset(self, preset: str | None) -> Mapping[str, float]:
         """Parameters that a preset sets; none where ``None``."""
         if preset is not None and preset not in self.presets:
@@ -198,7 +204,7 @@ class ScenarioFile:
         return values
 
     def _build(self, parameters: Mapping[str, float], step_s: float | None) -> Scenario:
-        scenario, faults = build(self.tree, parameters, step_s)
+        scenario, faults = build(self._template, parameters, step_s)
         if scenario is None:
             raise InputError(str(self.path), describe(faults, self.lines))
         return scenario
@@ -229,24 +235,23 @@ def _outside(name: str, value: float, low: float, high: float) -> str:
 
 
 def build(
-    tree: Plain, parameters: Mapping[str, float], step_s: float | None
+    template: Template, parameters: Mapping[str, float], step_s: float | None
 ) -> tuple[Scenario | None, dict[str, str]]:
     """The scenario of a tree with its expressions evaluated, or ``None`` and every fault.
 
     Args:
-        tree: the file without its head.
+        template: the file without its head.
         parameters: values that expressions may use, SI.
         step_s: time between samples [s]; the file's own where ``None``.
     """
     faults: dict[str, str] = {}
-    world = tree.get("world")
+    world = template.tree.get("world")
     if step_s is None and isinstance(world, Mapping):
         step_s = expressions.resolve(world.get("step_s", 0.001), parameters, "world.step_s", faults)
     names = {**parameters, STEP: _number_or(step_s, 0.001)}
-    resolved = expressions.resolve(tree, names, "", faults)
+    resolved = {**template.filled(names, faults), "parameters": dict(parameters)}
     if isinstance(resolved.get("world"), dict):
-        resolved["world"]["step_s"] = step_s
-    resolved["parameters"] = dict(parameters)
+        resolved["world"] = {**resolved["world"], "step_s": step_s}
     try:
         scenario = Scenario.model_validate(resolved)
     except ValidationError as error:
@@ -273,7 +278,7 @@ def read(path: Path) -> ScenarioFile:
         values = _values_despite_faults(raw)
     bodies = scene.get("bodies")
     faults.update(_head_faults(head, bodies if isinstance(bodies, dict) else {}))
-    scenario, wrong = build(scene, values, None)
+    scenario, wrong = build(Template(scene), values, None)
     faults.update(wrong)
     if head.table is not None:
         faults.update(tabled_faults(head.table, values, scenario))

@@ -117,37 +117,53 @@ def _value(text: str, known: dict[str, float]) -> float:
     raise ExpressionError(f"{shown} gives {value!r:.60}, not a finite number")
 
 
-def resolve(node: Any, names: Mapping[str, float], path: str, faults: dict[str, str]) -> Any:  # noqa: ANN401
-    """A copy of a YAML tree with every ``${…}`` replaced by its number.
+class Template:
+    """A YAML tree with ``${…}`` in it, to be filled with numbers again and again.
 
     Args:
-        node: dict, list or scalar as read from YAML.
-        names: values that expressions may use.
-        path: dotted place of ``node``, for the faults.
-        faults: every fault is added here as place -> sentence.
+        tree: dict, list or scalar as read from YAML.
+        path: dotted place of it, for the faults.
     """
-    known, found = {**CONSTANTS, **names}, dict[str, float]()
 
-    def filled(node: Any, place: Any) -> Any:  # noqa: ANN401
-        if isinstance(node, dict):
-            return {key: filled(child, (place, key)) for key, child in node.items()}
-        if isinstance(node, list):
-            return [filled(child, (place, i)) for i, child in enumerate(node)]
-        if not is_expression(node):
-            return node
-        if node not in found:  # the same one often stands in many places
-            try:
-                found[node] = _value(node, known)
-            except ExpressionError as error:
-                faults[_dotted(place)] = str(error)
-                return 1.0  # a number that most places accept, so that this fault is told once
-        return found[node]
+    def __init__(self, tree: Any, path: str = "") -> None:  # noqa: ANN401
+        self.tree = tree
+        self._plan = _plan_of(tree, path)
 
-    return filled(node, path)
+    def filled(self, names: Mapping[str, float], faults: dict[str, str]) -> Any:  # noqa: ANN401
+        """The tree with every ``${…}`` replaced by its number; parts without any are not copied.
+
+        Args:
+            names: values that expressions may use.
+            faults: every fault is added here as place -> sentence.
+        """
+        known, found = {**CONSTANTS, **names}, dict[str, float]()
+
+        def fill(node: Any, plan: Any) -> Any:  # noqa: ANN401
+            if isinstance(plan, list):
+                made = node.copy()
+                for key, below in plan:
+                    made[key] = fill(node[key], below)
+                return made
+            if node not in found:  # the same one often stands in many places
+                try:
+                    found[node] = _value(node, known)
+                except ExpressionError as error:
+                    faults[plan] = str(error)
+                    return 1.0  # most places accept this, so that the fault is not told twice
+            return found[node]
+
+        return self.tree if self._plan is None else fill(self.tree, self._plan)
 
 
-def _dotted(place: Any) -> str:  # noqa: ANN401
-    if isinstance(place, str):
-        return place
-    before = _dotted(place[0])
-    return f"{before}.{place[1]}" if before else str(place[1])
+def _plan_of(node: Any, place: str) -> Any:  # noqa: ANN401
+    """The place of an expression; of a dict or list its parts with any; ``None`` without any."""
+    if isinstance(node, dict | list):
+        children = node.items() if isinstance(node, dict) else enumerate(node)
+        plans = [(k, _plan_of(child, f"{place}.{k}" if place else str(k))) for k, child in children]
+        return [(key, plan) for key, plan in plans if plan is not None] or None
+    return place if is_expression(node) else None
+
+
+def resolve(node: Any, names: Mapping[str, float], path: str, faults: dict[str, str]) -> Any:  # noqa: ANN401
+    """A YAML tree, or a part of one, with every ``${…}`` replaced by its number; see `Template`."""
+    return Template(node, path).filled(names, faults)
