@@ -96,6 +96,8 @@ def test_rays_meet_walls_boxes_posts_and_the_floor():
     assert found[4] == pytest.approx(1 - 0.1 * math.cos(0.5), abs=1e-12)
 
 
+#: of the middles of the zones in the middle columns
+SIDE_RAD = math.radians(45 / 16)
 #: the zones of the upper four rows see the wall alone
 UP = slice(0, 32)
 
@@ -155,6 +157,36 @@ def test_a_frame_of_a_real_sensor_is_half_a_period_old(control_Hz):
     # at 0.3 m/s; it counts millimetres
     expected = 0.3 - 0.3 * (3 / control_Hz - 1 / 30)
     np.testing.assert_allclose(ranges[UP], expected, atol=0.6e-3)
+
+
+def test_what_was_seen_is_remembered_where_it_is_for_three_seconds():
+    far = {f"{name}_y_m": 2.9 for name in (*drawing.BOXES, *drawing.POSTS)}
+    post = {"post_1_x_m": 0.5, "post_1_y_m": 0.0, "post_1_radius_m": 0.05}
+    arena = {"arena_x_m": 0.3, "arena_y_m": 0.0, "arena_turn_rad": 0.0}
+    scenario = FILE.resolve(far | post | arena)
+    eye = seeing.Eye(scenario, 0.0, 10.0, np.random.default_rng(0))
+    assert not eye.memory.around(0, 0, 0).any()
+    eye.see(pose())
+    # rays 2.8125° beside the middle, from 0.06 m ahead, meet the post so far from the origin
+    aside, along = 0.44 * math.sin(SIDE_RAD), 0.44 * math.cos(SIDE_RAD)
+    far_m = along - math.sqrt(0.05**2 - aside**2)
+    x, y = 0.06 + far_m * math.cos(SIDE_RAD), far_m * math.sin(SIDE_RAD)
+    away_m = math.hypot(x, y)
+    assert eye.memory.around(0, 0, 0)[0] == pytest.approx(1 - away_m / 0.6, abs=1e-12)
+    # the floor is no obstacle, and nothing else is as near
+    assert (eye.memory.around(0, 0, 0) > 0).sum() == 1
+    # turned to the left by 90° it is on the right: the 18th of 24 directions
+    eye.see(pose(turn_rad=math.pi / 2))
+    around = eye.memory.around(0, 0, math.pi / 2)
+    assert around.argmax() == 18
+    assert around[18] == pytest.approx(1 - away_m / 0.6, abs=1e-12)
+    # driven past it, it is behind
+    around = eye.memory.around(0.7, 0, 0)
+    assert around.argmax() == 12
+    assert around[12] == pytest.approx(1 - math.hypot(0.7 - x, y) / 0.6, abs=1e-12)
+    for _ in range(30):
+        eye.see(pose(turn_rad=math.pi / 2))
+    assert not eye.memory.around(0, 0, 0).any()
 
 
 def test_what_stands_on_the_start_or_on_the_goal_is_told_at_once():

@@ -75,4 +75,4 @@ def test_a_policy_of_another_task_is_refused_before_it_drives(tmp_path):
     with pytest.raises(InputError) as caught:
         list(study.try_all("robot_avoid", [tmp_path / "other.npz"], ["mujoco"], [0.0], 1))
     assert len(caught.value.faults) == 4
-    assert "the observation of the environment has 135" in str(caught.value)
+    assert "the observation of the environment has 159" in str(caught.value)

@@ -13,17 +13,17 @@ from simcompare.errors import InputError
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array
 from simcompare.scenarios.robot_avoid.drawing import ROBOT_RADIUS_M, Plan, draw
-from simcompare.scenarios.robot_avoid.seeing import Eye
+from simcompare.scenarios.robot_avoid.seeing import DIRECTIONS, Eye
 
-__all__ = ["ACTIONS", "CONTROL_HZ", "LONGEST", "OBSERVATIONS", "Episode", "draw"]
+__all__ = ["ACTIONS", "CONTROL_HZ", "LONGEST_S", "OBSERVATIONS", "Episode", "draw"]
 
-#: ranges and whether each is valid, the goal, the robot's own motion, the last action
-OBSERVATIONS = 64 + 64 + 3 + 2 + 2
+#: ranges and whether each is valid, the goal, the robot's own motion, the last action, the memory
+OBSERVATIONS = 64 + 64 + 3 + 2 + 2 + DIRECTIONS
 #: voltages of the left and of the right motor, as a part of the most
 ACTIONS = 2
-CONTROL_HZ = 10.0
-#: control steps after which an episode is cut off
-LONGEST = 300
+CONTROL_HZ = 5.0
+#: after which an episode is cut off
+LONGEST_S = 30.0
 GOAL_M = 0.10
 #: what distances, speeds and rates are divided by
 _ARENA_M, _SPEED_M_S, _RATE_RAD_S = 2.8, 0.3, 5.0
@@ -57,6 +57,7 @@ class Episode:
             p["voltage_V"], p["wheel_radius_m"], p["track_m"],
         )  # fmt: skip
         self._plan, self._eye = Plan(p), Eye(scenario, sensors, control_Hz, rng)
+        self._control_s = 1 / control_Hz
         self._last, self._change = np.zeros(ACTIONS), np.zeros(ACTIONS)
         x, y, _ = scenario.bodies["chassis"].position_m
         if faults := self._plan.faults(x, y):
@@ -73,7 +74,7 @@ class Episode:
         return {"left_drive": left * self._most_V, "right_drive": right * self._most_V}
 
     def observe(self, read: Steering) -> Array:
-        """What the robot knows (135,): all of it is about 1 in size, and within 10."""
+        """What the robot knows (159,): all of it is about 1 in size, and within 10."""
         position, turn = read["chassis.position_m"], read["chassis.orientation_wxyz"]
         assert isinstance(position, tuple)
         assert isinstance(turn, tuple)
@@ -92,7 +93,8 @@ class Episode:
             (right - left) * self._radius_m / self._track_m / _RATE_RAD_S,
         )  # fmt: skip
         self._now = (position[0], position[1])
-        whole = np.concatenate((ranges / REACH_M, valid, own, self._last))
+        around = self._eye.memory.around(position[0], position[1], heading)
+        whole = np.concatenate((ranges / REACH_M, valid, own, self._last, around))
         return np.asarray(np.clip(whole, -10, 10), dtype=float)
 
     def judge(self) -> tuple[float, bool, Mapping[str, float]]:
@@ -107,7 +109,7 @@ class Episode:
         clearance_m = min(self._plan.gaps(x, y).values()) - ROBOT_RADIUS_M
         success, collided = away_m < GOAL_M, clearance_m <= 0
         changed = float(self._change @ self._change)
-        reward = 2.0 * (self._away_m - away_m) - 0.01 - 0.001 * changed
+        reward = 2.0 * (self._away_m - away_m) - 0.1 * self._control_s - 0.001 * changed
         reward -= 0.05 * max(0.0, 0.1 - self._nearest_m) / 0.1
         reward += 10.0 * (success and not collided) - 10.0 * collided
         self._place, self._away_m = (x, y), away_m

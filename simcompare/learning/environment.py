@@ -74,6 +74,7 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         self.control_Hz: float = self._task.CONTROL_HZ if wanted_Hz is None else wanted_Hz
         self._step_s = world.engine_step_s if step_s is None else step_s
         self._refuse(asked, world.duration_s)
+        self._most = round(self._task.LONGEST_S * self.control_Hz)
         self._substeps = round(1 / (self.control_Hz * self._step_s))
         self.observation_space = gymnasium.spaces.Box(
             -10, 10, (self._task.OBSERVATIONS,), np.float32
@@ -105,7 +106,9 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         drawn = self._task.draw(self.np_random) | given
         scenario = self._scene(drawn)
         self._episode = self._task.Episode(scenario, self._sensors, self.control_Hz, self.np_random)
-        self._simulation = self._backend.open(scenario, self._settings)
+        # what the sensors read is the episode's to work out
+        bare = scenario.model_copy(update={"sensors": {}})
+        self._simulation = self._backend.open(bare, self._settings)
         self._taken = 0
         return self._seen(self._simulation), {"parameters": drawn}
 
@@ -124,7 +127,7 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         self._taken += 1
         seen = self._seen(self._simulation)
         reward, is_over, told = self._episode.judge()
-        return seen, reward, is_over, self._taken >= self._task.LONGEST, dict(told)
+        return seen, reward, is_over, self._taken >= self._most, dict(told)
 
     def close(self) -> None:
         """Releases the engine."""
@@ -158,14 +161,14 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         return seen
 
     def _scene(self, parameters: Mapping[str, float]) -> Scenario:
-        """The scene of an episode: a recorded step is a control step, and nothing else is recorded.
+        """The scene of an episode: a recorded step is a control step.
 
         It ends when the task does, long before its own end.
         """
         control_s = self._substeps * self._step_s
         scenario = self._file.resolve(parameters, step_s=control_s)
         world = scenario.world.model_copy(update={"substeps": self._substeps})
-        return scenario.model_copy(update={"world": world, "sensors": {}})
+        return scenario.model_copy(update={"world": world})
 
     def _refuse(self, asked: Asked, longest_s: float) -> None:
         faults = []
