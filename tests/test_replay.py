@@ -20,11 +20,11 @@ import simcompare
 from simcompare.engine import engines
 from simcompare.errors import InputError, OutputError, UnknownName
 from simcompare.model import drawing
-from simcompare.model.drawing import DrawnBody, drawn
+from simcompare.model.drawing import DrawnBody, DrawnEye, drawn
 from simcompare.model.rotations import rotate
 from simcompare.model.settings import Settings
 from simcompare.model.shapes import Shape
-from simcompare.model.trajectory import TRUTH, Trajectory
+from simcompare.model.trajectory import TRUTH, Array, Trajectory
 from simcompare.reports import builder
 from simcompare.reports.pages import document
 from simcompare.reports.render import film, matplotlib_replay, replay_page
@@ -214,6 +214,57 @@ def test_what_stays_in_its_place_stands_side_by_side_along_its_swing() -> None:
     replay = staged(DISC, [Source("engine", "#112233", "", _turning(10, 1.0))], "")
     assert replay is not None
     assert (replay.across, replay.is_flat, replay.is_upright) == (0, True, True)
+
+
+LOOKING = {"eye": DrawnEye("cart", (0.1, 0, 0), (1, 0, 0, 0), 8, None, None)}
+CART = {
+    "cart": DrawnBody(False, (0, 0, 0), (1, 0, 0, 0), (_shape(type="box", size_m=[0.1, 0.1, 0.1]),))
+}
+
+
+def _looking(ranges: Array) -> Trajectory:
+    """A cart that is turned to the left and drives there, past what it sees."""
+    count = len(ranges)
+    time_s = np.linspace(0, 1, count)
+    place = np.column_stack((0 * time_s, time_s, 0 * time_s))
+    left = np.tile([np.sqrt(0.5), 0, 0, np.sqrt(0.5)], (count, 1))
+    signals = {"cart.position_m": place, "cart.orientation_wxyz": left, "eye.range_m": ranges}
+    return Trajectory("engine", time_s, signals)
+
+
+def test_rays_end_where_a_sensor_sees_something() -> None:
+    ranges = np.full((61, 64), 2.0)
+    ranges[:, 0] = 4.0  # the reach: there is nothing
+    source = Source("engine", "#112233", "", _looking(ranges))
+    replay = staged(CART, [source], "", LOOKING)
+    assert replay is not None
+    ends = replay.actors[0].ray_ends("eye", replay.eyes["eye"])
+    assert np.isnan(ends[:, 0]).all()
+    # ahead is now to the left: 2 m before the sensor, which is 0.1 m before the cart
+    assert ends[-1, 1:, 1] == pytest.approx(1 + 0.1 + 2.0)
+    assert ends[-1, 7, 0] == pytest.approx(2 * np.tan(np.radians(3.5 * 5.625)))  # right, above
+    assert ends[-1, 7, 2] == pytest.approx(2 * np.tan(np.radians(3.5 * 5.625)))
+    assert replay.high_m[1] >= 3.1
+    assert not replay.is_flat
+
+
+def test_a_page_holds_ranges_as_whole_numbers() -> None:
+    ranges = np.linspace(0.5, 4.0, 3)[:, None] * np.ones(64)
+    replay = staged(CART, [Source("engine", "#112233", "", _looking(ranges))], "", LOOKING)
+    assert replay is not None
+    (actor,) = replay_page.as_dict(replay)["actors"]
+    packed = np.frombuffer(base64.b64decode(actor["ranges"]["eye"]), "<u2").reshape(-1, 64)
+    assert len(packed) == len(replay.time_s)
+    assert packed[0] / 65535 * 4 == pytest.approx(0.5, abs=1e-4)
+    assert not packed[-1].any()  # at its reach it sees nothing
+
+
+def test_a_source_that_tells_no_ranges_has_no_rays() -> None:
+    moved = _looking(np.ones((5, 64)))
+    del moved.signals["eye.range_m"]  # type: ignore[attr-defined]
+    replay = staged(CART, [Source("engine", "#112233", "", moved)], "", LOOKING)
+    assert replay is not None
+    assert not replay.actors[0].ranges
 
 
 def test_a_placed_surface_is_turned_and_moved(run: Result) -> None:

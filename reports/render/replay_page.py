@@ -10,13 +10,15 @@ import numpy as np
 
 from simcompare.model.trajectory import Array
 from simcompare.reports.render.meshes import Mesh
-from simcompare.reports.render.replays import Actor, Motion, Replay
+from simcompare.reports.render.replays import Actor, Eye, Motion, Replay
 
 Json = dict[str, Any]
 #: digits of a corner: a tenth of a micrometre
 _DIGITS = 7
 #: parts of a quaternion are whole numbers: 1 is this one
 _ONE = 32767
+#: ranges are whole numbers: the reach is this one, 0 is nothing
+_FAR = 65535
 
 
 def embedded(replay: Replay) -> str:
@@ -35,13 +37,14 @@ def as_dict(replay: Replay) -> Json:
         "still": _mesh(replay.still),
         "ground": _mesh(replay.ground),
         "levels": replay.levels,
-        "actors": list(map(_actor, replay.actors)),
+        "actors": [_actor(actor, replay) for actor in replay.actors],
         "low": replay.low_m.tolist(),
         "high": replay.high_m.tolist(),
         "across": replay.across,
         "width": replay.width_m,
         "flat": replay.is_flat,
         "upright": replay.is_upright,
+        "eyes": {name: _eye(eye) for name, eye in replay.eyes.items()},
     }
 
 
@@ -51,12 +54,22 @@ def _mesh(mesh: Mesh) -> Json:
     return {"corners": corners, "triangles": mesh.triangles.T.tolist(), "tones": tones}
 
 
-def _actor(actor: Actor) -> Json:
+def _eye(eye: Eye) -> Json:
+    rays = np.round(eye.rays, _DIGITS).tolist()
+    at = np.round(eye.origin_m, _DIGITS).tolist()
+    return {"body": eye.body, "at": at, "rays": rays, "reach": eye.reach_m}
+
+
+def _actor(actor: Actor, replay: Replay) -> Json:
     return {
         "label": actor.label,
         "colour": actor.colour,
         "level": actor.level,
         "motions": {name: _motion(motion) for name, motion in actor.motions.items()},
+        "ranges": {
+            name: _packed(np.nan_to_num(values / replay.eyes[name].reach_m) * _FAR, "<u2")
+            for name, values in actor.ranges.items()
+        },
     }
 
 

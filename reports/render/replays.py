@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,6 +27,23 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Eye:
+    """A range sensor of many zones whose rays are drawn.
+
+    Attributes:
+        body: that carries it and moves; empty where it stays.
+        origin_m: where its rays begin (3,), in the frame of that body or of the world [m].
+        rays: how they go (z, 3), in the same frame, until 1 m along the sensor's axis.
+        reach_m: range from which on nothing is seen [m].
+    """
+
+    body: str
+    origin_m: Array
+    rays: Array
+    reach_m: float
+
+
+@dataclass(frozen=True)
 class Actor:
     """One source that moves the bodies.
 
@@ -35,12 +52,26 @@ class Actor:
         colour: as ``#rrggbb``.
         level: words of its contact level; empty for what is shown beside each of them.
         motions: body -> where it is.
+        ranges: eye -> how far its rays go at each time (n, z), along its axis; NaN where they meet
+            nothing [m].
     """
 
     label: str
     colour: str
     level: str
     motions: Mapping[str, Motion]
+    ranges: Mapping[str, Array] = field(default_factory=dict)
+
+    def ray_ends(self, name: str, eye: Eye) -> Array:
+        """Where the rays of an eye end (n, z, 3), world frame; NaN where they meet nothing [m]."""
+        ends = eye.origin_m + self.ranges[name][:, :, None] * eye.rays
+        if not eye.body:
+            return np.asarray(ends)
+        count, zones, _ = ends.shape
+        motion = self.motions[eye.body]
+        turns = np.broadcast_to(motion.orientation_wxyz, (count, 4))
+        turned = rotate(np.repeat(turns, zones, axis=0), ends.reshape(-1, 3))
+        return np.asarray(turned.reshape(ends.shape) + motion.position_m[:, None, :])
 
     def placed(self, name: str, mesh: Mesh, index: int) -> Mesh:
         """The surface of a body where it is at an instant."""
@@ -70,6 +101,7 @@ class Replay:
         width_m: from one to the next there [m].
         is_flat: whether little moves across, so that they do at first.
         is_upright: whether it stays in its place, so that it is seen from the front.
+        eyes: range sensors whose rays are drawn.
     """
 
     name: str
@@ -86,6 +118,7 @@ class Replay:
     width_m: float
     is_flat: bool
     is_upright: bool
+    eyes: Mapping[str, Eye] = field(default_factory=dict)
 
     @property
     def levels(self) -> list[str]:

@@ -7,19 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from simcompare.model.drawing import ORIENTATION, POSITION, DrawnBody
+from simcompare.model.drawing import ORIENTATION, POSITION, DrawnBody, DrawnEye
 from simcompare.model.rotations import rotate
 from simcompare.model.shapes import Plane
 from simcompare.model.trajectory import Array, Trajectory
+from simcompare.reports.render import replay_rays
 from simcompare.reports.render.meshes import Mesh, joined, mesh_of, sheet
+from simcompare.reports.render.replay_rays import Indices
 from simcompare.reports.render.replays import Actor, Motion, Replay, reach_m
 
 #: pictures in a second, and at most
 _RATE_HZ, _MOST = 60.0, 3000
 #: a body that turns by more from one picture to the next seems to turn backwards [rad]
 _TURN_RAD = 0.6
-#: places and turns of all bodies in a page [byte]; written as text they take a third more
-_BUDGET, _PLACE, _TURN = 540_000, 12, 8
+#: places and turns of all bodies and ranges of rays in a page [byte]; as text a third more
+_BUDGET, _PLACE, _TURN, _RAY = 540_000, 12, 8, 2
 #: what moves or turns less than this part of the body's size, or by less than this, stands still
 _STILL = 1e-5
 #: a source that leaves the others by more than so many times their range leaves the picture
@@ -50,7 +52,10 @@ class Source:
 
 
 def staged(
-    scene: Mapping[str, DrawnBody], sources: Sequence[Source], caption: str
+    scene: Mapping[str, DrawnBody],
+    sources: Sequence[Source],
+    caption: str,
+    looking: Mapping[str, DrawnEye] | None = None,
 ) -> Replay | None:
     """The replay; ``None`` where no source tells where a body is."""
     moving = {name: body for name, body in scene.items() if not body.fixed}
@@ -58,14 +63,19 @@ def staged(
     telling = [source for source in sources if _told(moving, source.trajectory)]
     if not telling:
         return None
-    time_s = _times(moving, [source.trajectory for source in telling])
+    found = dict(replay_rays.eyes_of(scene, looking or {}))
+    zones = sum(len(eye.rays) for eye in found.values())
+    time_s = _times(moving, [source.trajectory for source in telling], zones)
     actors = tuple(
-        Actor(one.label, one.colour, one.level, _motions(moving, bodies, one.trajectory, time_s))
+        Actor(
+            one.label, one.colour, one.level, _motions(moving, bodies, one.trajectory, time_s),
+            dict(replay_rays.ranges_of(found, one.trajectory, _nearest(one.trajectory, time_s))),
+        )
         for one in telling
-    )
+    )  # fmt: skip
     tracks = [_tracks(actor, bodies) for actor in actors]
     solid = _solid(scene)
-    low, high = _range(tracks, solid)
+    low, high = replay_rays.widened(*_range(tracks, solid), actors, found)
     ways = np.median([np.max(np.ptp(track, axis=0), axis=0) for track in tracks], axis=0)
     reach = max(map(reach_m, bodies.values()))
     across, is_upright = _lanes(ways, reach)
@@ -76,7 +86,9 @@ def staged(
     return Replay(
         "replay", "See it move", caption, time_s, bodies, joined([solid, slanted]), ground,
         actors, low, high, across, width,
-        is_flat=bool(ways[across] <= _FLAT * reach), is_upright=is_upright,
+        # rays fan out: side by side they would be too small to be seen
+        is_flat=not found and bool(ways[across] <= _FLAT * reach), is_upright=is_upright,
+        eyes=found,
     )  # fmt: skip
 
 
@@ -85,14 +97,15 @@ def _told(scene: Mapping[str, DrawnBody], trajectory: Trajectory) -> list[str]:
     return [name for name in scene if f"{name}.{POSITION}" in trajectory.signals]
 
 
-def _times(scene: Mapping[str, DrawnBody], trajectories: Sequence[Trajectory]) -> Array:
+def _times(scene: Mapping[str, DrawnBody], trajectories: Sequence[Trajectory], zones: int) -> Array:
     """Instants of the pictures: enough for what turns, and as many as a page can hold."""
     ends = [trajectory.time_s[[0, -1]] for trajectory in trajectories]
     begin, end = min(first for first, _ in ends), max(last for _, last in ends)
     turned = max(_turned_rad(scene, trajectory) for trajectory in trajectories)
     bodies = sum(len(_told(scene, trajectory)) for trajectory in trajectories)
     wanted = max((end - begin) * _RATE_HZ, turned / _TURN_RAD)
-    count = int(min(wanted, _MOST, _BUDGET / (bodies * (_PLACE + _TURN))))
+    each = bodies * (_PLACE + _TURN) + len(trajectories) * zones * _RAY
+    count = int(min(wanted, _MOST, _BUDGET / each))
     return np.linspace(begin, end, max(count, 2))
 
 
@@ -115,8 +128,7 @@ def _motions(
     time_s: Array,
 ) -> dict[str, Motion]:
     """Where the bodies are that a source tells of; at rest where it ended earlier."""
-    places = np.searchsorted(trajectory.time_s, time_s).clip(0, len(trajectory.time_s) - 1)
-    found = {}
+    places, found = _nearest(trajectory, time_s), {}
     for name in _told(scene, trajectory):
         turned = trajectory.signals.get(f"{name}.{ORIENTATION}")
         turns = np.array([scene[name].orientation_wxyz]) if turned is None else turned[places]
@@ -124,6 +136,12 @@ def _motions(
         small_m = _STILL * reach_m(bodies[name])
         found[name] = Motion(_once(position, small_m), _once(turns, _STILL))
     return found
+
+
+def _nearest(trajectory: Trajectory, time_s: Array) -> Indices:
+    """Samples of a source at these instants; the last one where it ended earlier."""
+    found = np.searchsorted(trajectory.time_s, time_s)
+    return np.asarray(found.clip(0, len(trajectory.time_s) - 1))
 
 
 def _once(values: Array, small: float) -> Array:

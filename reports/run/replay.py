@@ -17,6 +17,11 @@ CAPTION = (
     "Play it, slow it down, or drag the slider. Side by side is for the eye: every engine has the"
     " whole scene for itself."
 )
+#: what is added where a sensor looks
+_RAYS = (
+    "Lines go from the sensor to what the middle of each zone meets; a zone that sees nothing has"
+    " none."
+)
 #: who moves bodies and is no engine: name and look
 _OTHERS = {TRUTH: (f"truth ({TRUTH})", TRUTH_STYLE), "measured": ("measured", MEASURED_STYLE)}
 #: with which parameters it moves them
@@ -32,10 +37,14 @@ def replay_of(run: Run) -> Replay | None:
     Of a fit or a validation, the first segment of the recording with the engines beside it.
     """
     if run.record.kind == "run":
-        return staged(run.record.scene, [*_sources(run)], CAPTION)
+        return staged(run.record.scene, [*_sources(run)], _caption(run), run.record.eyes)
     found = [*_beside_recording(run)]
     engines = [one for one in found if one.label in runs.names(run)]
-    return staged(run.record.scene, found, CAPTION) if engines else None
+    return staged(run.record.scene, found, _caption(run), run.record.eyes) if engines else None
+
+
+def _caption(run: Run) -> str:
+    return f"{CAPTION} {_RAYS}" if run.record.eyes else CAPTION
 
 
 def _beside_recording(run: Run) -> Iterator[Source]:

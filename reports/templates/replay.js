@@ -8,6 +8,8 @@ const Replay = (() => {
   const LETTER = 7.5, ROWS = 2;
   // a whole number that is 1 in a quaternion
   const ONE = 32767;
+  // one that is the reach in a range, and how strong a ray is
+  const FAR = 65535, RAY = 0.55;
   const FLOOR = "#E8E8E8", SEEN = { several: 0.72, alone: 1 };
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
   // where the eye stands, by the axis along which sources stand side by side
@@ -34,7 +36,7 @@ const Replay = (() => {
         this.toggle();
       });
       this.control("view").addEventListener("change", () => this.look());
-      this.control("lanes").addEventListener("change", () => this.draw());
+      for (const name of ["lanes", "rays"]) this.control(name)?.addEventListener("change", () => this.draw());
       if (this.control("level")) this.control("level").addEventListener("change", () => this.list());
       window.addEventListener("resize", () => this.draw());
     }
@@ -45,6 +47,10 @@ const Replay = (() => {
         motion.at = new Float32Array(bytes(motion.at));
         motion.turn = Float32Array.from(new Int16Array(bytes(motion.turn)), (one) => one / ONE);
       }
+      for (const ranges of scene.actors.map((actor) => actor.ranges || {})) {
+        for (const name of Object.keys(ranges)) ranges[name] = new Uint16Array(bytes(ranges[name]));
+      }
+      if (this.control("rays")) this.control("rays").closest("label").hidden = !Object.keys(scene.eyes || {}).length;
       this.scene = scene;
       this.time = scene.begin;
       Object.assign(this.control("time"), { min: scene.begin, max: scene.end });
@@ -89,31 +95,59 @@ const Replay = (() => {
       }));
       this.draw();
     }
+    // the picture before the instant that is shown, the one after it, and how far it is between them
+    between() {
+      const { begin, end, count } = this.scene;
+      const exact = (this.time - begin) / (end - begin) * (count - 1), first = Math.min(Math.floor(exact), count - 1);
+      return { first, second: Math.min(first + 1, count - 1), part: exact - first };
+    }
+    // place of a body, and rows of the matrix that turns it
+    pose(motion, shift) {
+      const { first, second, part } = this.between();
+      const moves = motion.at.length > 3, here = moves ? 3 * first : 0, next = moves ? 3 * second : 0;
+      const at = [0, 1, 2].map((i) => (1 - part) * motion.at[here + i] + part * motion.at[next + i]);
+      at[this.scene.across] += shift;
+      const turns = motion.turn.length > 4, a = turns ? 4 * first : 0, b = turns ? 4 * second : 0;
+      // the shorter way from one turn to the next
+      const sign = [0, 1, 2, 3].reduce((sum, i) => sum + motion.turn[a + i] * motion.turn[b + i], 0) < 0 ? -1 : 1;
+      const q = [0, 1, 2, 3].map((i) => (1 - part) * motion.turn[a + i] + sign * part * motion.turn[b + i]);
+      const length = Math.hypot(...q) || 1, [w, x, y, z] = q.map((one) => one / length);
+      const rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+      ];
+      return { at, rows };
+    }
     // places of all corners of one source
     corners(actor, shift) {
-      const { begin, end, count, bodies, across } = this.scene, found = [[], [], []];
-      const exact = (this.time - begin) / (end - begin) * (count - 1), first = Math.min(Math.floor(exact), count - 1);
-      const second = Math.min(first + 1, count - 1), part = exact - first;
+      const found = [[], [], []];
       for (const [name, motion] of Object.entries(actor.motions)) {
-        const moves = motion.at.length > 3, here = moves ? 3 * first : 0, next = moves ? 3 * second : 0;
-        const at = [0, 1, 2].map((i) => (1 - part) * motion.at[here + i] + part * motion.at[next + i]);
-        at[across] += shift;
-        const turns = motion.turn.length > 4, a = turns ? 4 * first : 0, b = turns ? 4 * second : 0;
-        // the shorter way from one turn to the next
-        const sign = [0, 1, 2, 3].reduce((sum, i) => sum + motion.turn[a + i] * motion.turn[b + i], 0) < 0 ? -1 : 1;
-        const q = [0, 1, 2, 3].map((i) => (1 - part) * motion.turn[a + i] + sign * part * motion.turn[b + i]);
-        const length = Math.hypot(...q) || 1, [w, x, y, z] = q.map((one) => one / length);
-        const rows = [
-          [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ];
-        const [cx, cy, cz] = bodies[name].corners;
+        const { at, rows } = this.pose(motion, shift), [cx, cy, cz] = this.scene.bodies[name].corners;
         rows.forEach((row, axis) => {
           for (let k = 0; k < cx.length; k += 1) found[axis].push(at[axis] + row[0] * cx[k] + row[1] * cy[k] + row[2] * cz[k]);
         });
       }
       return found;
+    }
+    // the rays of one source as lines from its eyes to what they meet; none where they meet nothing
+    rays(actor, shift) {
+      const found = [[], [], []], { first, second, part } = this.between(), { across, eyes } = this.scene;
+      for (const [name, ranges] of Object.entries(actor.ranges || {})) {
+        const { body, at, rays, reach } = eyes[name], still = { at: [0, 1, 2].map((i) => (i === across ? shift : 0)), rows: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] };
+        const { at: place, rows } = body ? this.pose(actor.motions[body], shift) : still;
+        const seen = (ray, far) => rows.map((row, axis) => place[axis] + row.reduce((sum, one, i) => sum + one * (at[i] + far * ray[i]), 0));
+        const begin = seen([0, 0, 0], 0), picture = part < 0.5 ? first : second;
+        rays.forEach((ray, zone) => {
+          const far = ranges[picture * rays.length + zone] / FAR * reach;
+          if (far) seen(ray, far).forEach((end, axis) => found[axis].push(begin[axis], end, null));
+        });
+      }
+      return found;
+    }
+    // what of a source is drawn as lines
+    beam([x, y, z], actor) {
+      return { type: "scatter3d", mode: "lines", x, y, z, line: { width: 1.5, color: actor.colour }, opacity: RAY, hoverinfo: "skip", connectgaps: false };
     }
     // triangles of all bodies that a source tells of, numbered through
     triangles(actor) {
@@ -205,6 +239,8 @@ const Replay = (() => {
       const shown = this.shown, shifts = this.shifts(shown), lanes = this.control("lanes").checked;
       const seen = shown.length > 1 && !lanes ? SEEN.several : SEEN.alone;
       const data = shown.map((actor, n) => this.mesh(this.corners(actor, shifts[n]), this.triangles(actor), this.tones(actor), seen, actor.label));
+      const looking = this.control("rays")?.checked ? shown.map((actor, n) => [actor, shifts[n]]).filter(([actor]) => Object.keys(actor.ranges || {}).length) : [];
+      for (const [actor, shift] of looking) data.push(this.beam(this.rays(actor, shift), actor));
       if (this.scene.still.corners[0].length + this.scene.ground.corners[0].length) data.push(this.still(shifts));
       if (lanes && shown.length > 1 && this.rows(shown) <= ROWS) data.push(this.names(shown, shifts));
       // lanes have no place of their own, and what is seen from its end has no length
@@ -219,6 +255,7 @@ const Replay = (() => {
       };
       Plotly.react(this.plot, data, layout, { displaylogo: false, displayModeBar: false, scrollZoom: false });
       this.drawn = shown.map((actor, n) => [actor, shifts[n]]);
+      this.looking = looking;
       this.tell();
     }
     camera() { return { eye: VIEWS[this.control("view").value](this.scene.across), center: { x: 0, y: 0, z: 0 } }; }
@@ -237,9 +274,9 @@ const Replay = (() => {
       this.time = time;
       this.tell();
       if (!this.drawn || !this.drawn.length) return Promise.resolve();
-      const places = this.drawn.map(([actor, shift]) => this.corners(actor, shift));
+      const places = [...this.drawn.map(([actor, shift]) => this.corners(actor, shift)), ...this.looking.map(([actor, shift]) => this.rays(actor, shift))];
       const update = Object.fromEntries(["x", "y", "z"].map((key, axis) => [key, places.map((one) => one[axis])]));
-      return Plotly.restyle(this.plot, update, this.drawn.map((_, n) => n));
+      return Plotly.restyle(this.plot, update, places.map((_, n) => n));
     }
     toggle() {
       // each playing is one of its own: what is left of one before does not go on beside it

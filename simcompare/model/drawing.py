@@ -1,4 +1,4 @@
-"""What a scene looks like: the bodies of a scenario with the shapes that are drawn of them."""
+"""What a scene looks like: the bodies of a scenario with their shapes, and what looks at them."""
 
 from __future__ import annotations
 
@@ -25,6 +25,38 @@ class DrawnBody:
     position_m: Vector
     orientation_wxyz: Quaternion
     shapes: tuple[Shape, ...]
+
+
+@dataclass(frozen=True)
+class DrawnEye:
+    """A range sensor of many zones, as its rays are drawn.
+
+    Attributes:
+        body: that carries it.
+        position_m: in the body's frame [m].
+        orientation_wxyz: how it is turned there.
+        zones: in a row, and rows.
+        geometry: how its angle of view is divided; the usual way where ``None``.
+        reach_m: what it reads where it sees nothing; the usual one where ``None`` [m].
+    """
+
+    body: str
+    position_m: Vector
+    orientation_wxyz: Quaternion
+    zones: int
+    geometry: str | None
+    reach_m: float | None
+
+
+def eyes(scenario: Scenario) -> dict[str, DrawnEye]:
+    """Every sensor that looks."""
+    return {
+        name: DrawnEye(
+            one.body, one.position_m, one.orientation_wxyz, one.zones, one.geometry, one.reach_m
+        )
+        for name, one in scenario.range_sensors().items()
+        if one.body and one.zones
+    }
 
 
 def drawn(scenario: Scenario) -> dict[str, DrawnBody]:

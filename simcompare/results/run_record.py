@@ -120,6 +120,7 @@ def of_run(
         truth=truth,
         probes=nominal.probes,
         scene=drawing.drawn(nominal),
+        eyes=drawing.eyes(nominal),
         axes=_axes(nominal),
         has_joints=bool(nominal.joints),
         tolerances=nominal.tolerances,

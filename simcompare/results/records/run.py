@@ -15,7 +15,7 @@ from simcompare.comparison.comparison import Score
 from simcompare.engine.backend import KnownLimit
 from simcompare.model.answer import Answer
 from simcompare.model.audit import AuditRow
-from simcompare.model.drawing import DrawnBody
+from simcompare.model.drawing import DrawnBody, DrawnEye
 from simcompare.model.parquet import Table
 from simcompare.model.scenario import Dither, Probe, Tolerance
 from simcompare.model.tuning import TuningRow
@@ -174,6 +174,7 @@ class Record:
         truth: source of the truth, ``None`` where there is none.
         probes: what is observed, the leading one first.
         scene: the bodies that can be seen, and how they are drawn.
+        eyes: the sensors whose rays are drawn.
         axes: series that are drawn over another one: measure -> the measure of its x values.
         has_joints: whether the scenario has joints.
         tolerances: of what is measured.
@@ -211,6 +212,7 @@ class Record:
     truth: str | None = None
     probes: Mapping[str, Probe] = field(default_factory=dict)
     scene: Mapping[str, DrawnBody] = field(default_factory=dict)
+    eyes: Mapping[str, DrawnEye] = field(default_factory=dict)
     axes: Mapping[str, str] = field(default_factory=dict)
     has_joints: bool = False
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
