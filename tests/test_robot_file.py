@@ -10,6 +10,8 @@ import yaml
 
 import simcompare
 from simcompare.errors import InputError
+from simcompare.exporters.scripts.write import script
+from simcompare.exporters.twins import twin
 from simcompare.hardware.robot import built, robot_file, solids
 from simcompare.hardware.robot.description import Robot
 from simcompare.hardware.robot.solids import Solid
@@ -270,3 +272,42 @@ def test_what_is_no_robot_is_told(tmp_path, text, words):
 def test_a_place_that_is_not_there_is_told(tmp_path):
     with pytest.raises(InputError, match=r"none\.yaml"):
         robot_file.read(tmp_path / "none.yaml")
+
+
+def test_a_run_shows_the_robot_that_it_ran_and_says_what_is_left_out(changed):
+    """What is drawn are the parts of the file; a body that is tilted is told in one sentence."""
+    need("mujoco")
+    path = changed({"chassis.length_m": 0.2})
+    made = robot_file.read(path)
+    run = simcompare.run("robot", engine="mujoco", contact="tuned", robot=path)
+    chassis = run.record.scene["chassis"]
+    plate = chassis.shapes[0]
+    assert plate.size_m == pytest.approx((0.2, 0.094, 0.0085))
+    assert len(chassis.shapes) == len(built.drawn(made))
+    (caution,) = run.record.cautions
+    assert f"I_xz = {built.products_kg_m2(made)[1]:.3g} kg·m²" in caution
+    own = simcompare.run("robot", engine="mujoco", contact="tuned", robot=robot_file.OWN)
+    assert own.record.cautions == ()  # nothing turns our own
+
+
+def test_every_verb_that_runs_a_scenario_takes_a_robot(changed):
+    """Wheels that are smaller make it faster: a = 2·τ/r/(M + m), of body and one wheel more."""
+    need("mujoco")
+    path = changed({"wheels.radius_m": 0.030})
+    mass = built.parameters(robot_file.read(path))["body_mass_kg"] + 3 * 0.030
+    expected = 2 * 0.02 / 0.030 / mass
+    moved = simcompare.control("robot", lambda time_s, seen: {}, engine="mujoco", robot=path)
+    time_s, x = moved.time_s, moved.signals["chassis.position_m"][:, 0]
+    at = [np.searchsorted(time_s, t) for t in (0.2, 0.6, 1.0)]
+    found = (x[at[2]] - 2 * x[at[1]] + x[at[0]]) / 0.4**2
+    assert found == pytest.approx(expected, rel=3e-3)  # the scenario's own tolerance
+    (way,) = simcompare.uncertainty("robot", of="acceleration", robot=path).ways
+    assert way.found.budget.estimate == pytest.approx(expected, rel=1e-9)
+    for text in (
+        twin("robot", format="mjcf", robot=path).text,
+        script("robot", engine="mujoco", robot=path).text,
+    ):
+        assert "0.03" in text
+        assert "0.0325" not in text
+    with simcompare.gym("robot_avoid", engine="mujoco", robot=path) as environment:
+        assert environment.reset(seed=1)[1]["parameters"]["wheel_radius_m"] == 0.030

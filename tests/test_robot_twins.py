@@ -16,8 +16,7 @@ from simcompare.engine import engines
 from simcompare.hardware.robot import built, robot_file
 from simcompare.model.rotations import matrix_of
 from simcompare.model.settings import Settings
-from simcompare.scenarios import catalogue
-from simcompare.verbs import robot_values
+from simcompare.scenarios import catalogue, robot_values
 from tests.present import need
 
 TORQUE_N_M, STEP_S, SAMPLES = 0.02, 0.001, 800
@@ -277,7 +276,7 @@ def test_every_reader_drives_the_robot_as_simcompare_does(made, reader, request)
     need(engine)
     path, folder = made
     file = catalogue.load("robot")
-    scenario = file.resolve(robot_values.of_file(file, path))
+    scenario = file.resolve(robot_values.taken(file, path)[1])
     start = scenario.bodies["chassis"].position_m
     match engine:
         case "mujoco":

@@ -28,6 +28,7 @@ def remarks(run: Run) -> list[str]:
     sentences = [*_means(run, judged), *typed_in(run), contacts(run)]
     sentences += merged(run, ((mode, _missed(run, mode)) for mode in judged))
     sentences += [*_variants(run), *_not_run(run)]
+    sentences += [f"Caution: {caution}." for caution in runs.run_record(run).cautions]
     if run.record.interrupted:
         sentences.append("The run was interrupted before it was complete.")
     return list(filter(None, sentences))

@@ -31,6 +31,13 @@ _NUMBER = re.compile(r"[-−+±(≤≥]?\d|–?$")
 _SENTENCES, _PIPED, _MOST_OF_SENTENCES, _LEAST = 80, 200, 100, 40
 #: what stands before a command
 _CURE = "; cure: "
+#: the option of every verb that runs or writes a scenario of a robot
+ROBOT = typer.Option(
+    None,
+    "--robot",
+    metavar="FILE",
+    help="File of a robot, from which parameters follow (simcompare robot --template).",
+)
 
 
 def print_json(value: object) -> None:

@@ -48,6 +48,7 @@ def estimate(
     settings: list[str] = typer.Option(
         [], "--set", metavar="P=V", help="Change a parameter of the scenario."
     ),
+    robot: Path = console.ROBOT,
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
     step: str = typer.Option(None, help="Time step of the engines, such as 1ms."),
     draws: int = typer.Option(40, help="How often each motion is measured by other devices."),
@@ -76,6 +77,7 @@ def estimate(
             sensors=sensors,
             options=dict(console.pairs(option, "--option")),
             set=console.pairs(settings),
+            robot=robot,
             preset=preset,
             step=step,
             draws=draws,

@@ -37,6 +37,7 @@ def export(
     settings: list[str] = typer.Option(
         [], "--set", metavar="P=V", help="Change a parameter, such as torque=10mN*m."
     ),
+    robot: Path = console.ROBOT,
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
     fit: str = typer.Option(None, help="fit.json of simcompare fit, whose parameters are used."),
     contact_values: bool = typer.Option(
@@ -68,18 +69,21 @@ def export(
         "--engine": engine, "--step": step, "--contact": contact, "--own": ", ".join(own) or None,
     }  # fmt: skip
     if contact_values:
-        given = {**options, "--set": settings or None, "--preset": preset}
+        given = {**options, "--set": settings or None, "--robot": robot, "--preset": preset}
         _print_contact_values(scenario, fit, given, out)
         return
     if format == SCRIPT:
         write = functools.partial(
-            script, scenario, engine=engine, set=console.pairs(settings), preset=preset, fit=fit,
+            script, scenario, engine=engine, set=console.pairs(settings), robot=robot,
+            preset=preset, fit=fit,
             own=console.pairs(own, "--own", "ENGINE.VALUE=number"), step=step, contact=contact,
         )  # fmt: skip
         _script(write, out, as_json=as_json)
         return
     _refuse_options(format, options)
-    made = twin(scenario, format=format, set=console.pairs(settings), preset=preset, fit=fit)
+    made = twin(
+        scenario, format=format, set=console.pairs(settings), robot=robot, preset=preset, fit=fit
+    )
     written = None
     if out is not None:
         name = f"{made.scenario}{FORMATS[format]}"

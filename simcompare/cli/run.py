@@ -53,11 +53,7 @@ def run(
         help="Run an engine with a contact value of its own, such as pymunk.elasticity=0.9.",
         autocompletion=complete.own_values,
     ),
-    robot: Path = typer.Option(
-        None,
-        metavar="FILE",
-        help="File of a robot, from which parameters follow (simcompare robot --template).",
-    ),
+    robot: Path = console.ROBOT,
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
     step: str = typer.Option(
         None,

@@ -43,6 +43,7 @@ def uncertainty(
     contact: str = typer.Option(
         "assisted", help="Contact level of the engines.", autocompletion=complete.contact_levels
     ),
+    robot: Path = console.ROBOT,
     preset: str = typer.Option(None, help="Named set of parameters, applied before --set."),
     step: str = typer.Option(None, help="Time step of the engines, such as 1ms."),
     seeds: int = typer.Option(None, help="Number of repeats, each with a slightly other start."),
@@ -70,6 +71,7 @@ def uncertainty(
             of=of,
             engine=engine,
             set=console.pairs(settings),
+            robot=robot,
             u=console.pairs(u, "--u"),
             inputs=inputs,
             correlation=console.pairs(correlation, "--correlation"),

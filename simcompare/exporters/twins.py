@@ -7,13 +7,14 @@ all that a scenario says: what one cannot is listed in ``Twin.left_out`` and in 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from simcompare.errors import InputError, UnknownName
 from simcompare.exporters import mjcf, sdf, urdf
 from simcompare.exporters.fit_values import fitted
 from simcompare.exporters.parts import Twin
 from simcompare.model.scenario import Scenario
-from simcompare.scenarios import catalogue
+from simcompare.scenarios import catalogue, robot_values
 
 #: formats and the usual ending of their files
 FORMATS = {"urdf": ".urdf", "sdf": ".sdf", "mjcf": ".xml"}
@@ -29,6 +30,7 @@ def twin(
     *,
     format: str = "urdf",
     set: Mapping[str, str | float] | None = None,
+    robot: str | Path | None = None,
     preset: str | None = None,
     fit: str | None = None,
 ) -> Twin:
@@ -38,6 +40,7 @@ def twin(
         scenario: name, folder or file, or a scenario that has been built already.
         format: "urdf", "sdf" or "mjcf".
         set: parameters that differ from the file; text may carry a unit ("30cm").
+        robot: file of a robot (``simcompare robot --template``), applied before ``set``.
         preset: named set of parameters, applied first.
         fit: fit.json of ``simcompare fit``, whose parameters are used.
 
@@ -46,23 +49,26 @@ def twin(
     """
     if format not in FORMATS:
         raise UnknownName("format", format, [*FORMATS, SCRIPT])
-    return _WRITERS[format](_resolved(scenario, set or {}, preset, fit, _ENGINE_OF.get(format, "")))
+    return _WRITERS[format](
+        _resolved(scenario, set or {}, robot, preset, fit, _ENGINE_OF.get(format, ""))
+    )
 
 
 def _resolved(
     scenario: str | Scenario,
     settings: Mapping[str, str | float],
+    robot: str | Path | None,
     preset: str | None,
     fit: str | None,
     engine: str,
 ) -> Scenario:
     if not isinstance(scenario, str):
-        if settings or preset is not None:
+        if settings or robot is not None or preset is not None:
             raise InputError(
                 scenario.name,
                 ["its parameters have their numbers already; set them when it is built"],
             )
         return scenario
-    file = catalogue.load(scenario)
+    file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
     known = fitted(file, fit, engine)
-    return file.resolve({**known, **file.read_settings(settings)}, preset=preset)
+    return file.resolve({**known, **of_robot, **file.read_settings(settings)}, preset=preset)

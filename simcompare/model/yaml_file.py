@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, ClassVar, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 import yaml
 from pydantic import BaseModel, ValidationError
@@ -35,16 +35,15 @@ _CORE = {
 class _Loader(yaml.SafeLoader):
     """Reads truth values and numbers as YAML 1.2 does."""
 
-    yaml_implicit_resolvers: ClassVar = {
-        first: [(tag, pattern) for tag, pattern in known if tag.rpartition(":")[2] not in _CORE]
-        for first, known in yaml.SafeLoader.yaml_implicit_resolvers.items()
-    }
-
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
         """A whole number; 010 is ten."""
         return int(node.value, 16 if "x" in node.value else 10)
 
 
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in known if tag.rpartition(":")[2] not in _CORE]
+    for first, known in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
 for _kind, (_pattern, _first) in _CORE.items():
     _Loader.add_implicit_resolver(
         f"tag:yaml.org,2002:{_kind}", re.compile(f"(?:{_pattern})$"), list(_first)

@@ -13,7 +13,7 @@ from simcompare.engine import engines
 from simcompare.engine.simulation import Controller
 from simcompare.errors import InputError, UnknownName
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS, Settings
-from simcompare.scenarios import catalogue
+from simcompare.scenarios import catalogue, robot_values
 from simcompare.verbs.controlled import Controlled
 
 
@@ -25,6 +25,7 @@ def control(
     engine: str,
     contact: str = ASSISTED,
     set: Mapping[str, str | float] | None = None,
+    robot: str | Path | None = None,
     preset: str | None = None,
     step: str | float | None = None,
     every: str | float | None = None,
@@ -47,6 +48,7 @@ def control(
         engine: name of the engine.
         contact: contact level.
         set: parameters that differ from the file; text may carry a unit.
+        robot: file of a robot (``simcompare robot --template``), applied before ``set``.
         preset: named set of parameters, applied first.
         step: time between samples, "1ms" or in seconds.
         every: time between two calls of the controller, "20ms" or in seconds; what it gave is held.
@@ -64,10 +66,10 @@ def control(
         Exception: whatever the controller raises, with a note of the engine and the time.
     """
     _check_called(controller)
-    file = catalogue.load(str(scenario))
+    file, of_robot = robot_values.taken(catalogue.load(str(scenario)), robot)
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
-    values = file.read_settings(set or {})
+    values = {**of_robot, **file.read_settings(set or {})}
     step_s = None if step is None else one_step_s(step)
     if step is not None and step_s is not None:
         check_sample_step(file.resolve(values, preset=preset), step, step_s)

@@ -24,7 +24,7 @@ from simcompare.results import result_file, store
 from simcompare.results.records.estimation import SourceEstimate
 from simcompare.running.jobs import Job, Outcome
 from simcompare.running.runner import TIME_LIMIT_S, Progress, run_jobs
-from simcompare.scenarios import catalogue
+from simcompare.scenarios import catalogue, robot_values
 from simcompare.verbs import estimate_recorded, estimating
 from simcompare.verbs import estimate_request as requests
 from simcompare.verbs.estimate_request import EstimateRequest
@@ -62,6 +62,7 @@ def estimate(
     sensors: str | Mapping[str, str] | None = None,
     options: Mapping[str, str | float] | None = None,
     set: Mapping[str, str | float] | None = None,
+    robot: str | Path | None = None,
     preset: str | None = None,
     step: str | float | None = None,
     draws: int = 40,
@@ -91,6 +92,7 @@ def estimate(
             joint's angle also chips to compare, such as "adxl345,mpu6050".
         options: numbers of the estimator that differ, such as ``{"bias": 0}``.
         set: parameters that differ from the file; text may carry a unit.
+        robot: file of a robot (``simcompare robot --template``), applied before ``set``.
         preset: named set of parameters, applied first.
         step: the engine's step, "1ms" or in seconds.
         draws: how often each motion is measured, each time with other devices and other noise.
@@ -109,7 +111,7 @@ def estimate(
     if recording is not None:
         if sensors:
             raise InputError("--sensors", ["a recording has sensors of its own; leave this out"])
-        of_runs = {"--set": set, "--preset": preset, "--step": step}
+        of_runs = {"--set": set, "--robot": robot, "--preset": preset, "--step": step}
         faults = [
             f"{name} is of a simulation, and a recording has none; leave it out"
             for name, value in of_runs.items()
@@ -127,9 +129,10 @@ def estimate(
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
-    file = catalogue.load(scenario)
+    file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
     step_s = None if step is None else one_step_s(step)
-    scene = file.resolve(file.read_settings(set or {}), preset=preset, step_s=step_s)
+    values = {**of_robot, **file.read_settings(set or {})}
+    scene = file.resolve(values, preset=preset, step_s=step_s)
     chips, sensors = requests.chips_of(sensors)
     asked = _asked(scene, estimator, requests.sheets_of(sensors), options or {}, draws, seed)
     asked = replace(asked, chips=_chips(asked.estimator, chips))
@@ -139,7 +142,7 @@ def estimate(
     outcomes = run_jobs(jobs, time_limit_s=time_limit_s, progress=progress)
     request = EstimateRequest(
         scenario=scenario, engine=engine, contact=contact, estimator=estimator, set=set,
-        preset=preset, step=step, options=options, draws=draws, seed=seed,
+        robot=robot, preset=preset, step=step, options=options, draws=draws, seed=seed,
         sensors=(*chips, *(f"{k}={v}" for k, v in requests.sheets_of(sensors).items())),
     )  # fmt: skip
     sources = tuple(_of_engine(asked, outcome) for outcome in outcomes)

@@ -33,6 +33,7 @@ class EstimateRequest(Request):
     contact: Annotated[str, Option("--contact")] = "assisted"
     sensors: Annotated[tuple[str, ...], Option("--sensors", commas=True)] = ()
     options: Annotated[Values, Option("--option")] = None
+    robot: Annotated[Place | None, Option("--robot")] = None
     preset: Annotated[str | None, Option("--preset")] = None
     draws: Annotated[int, Option("--draws")] = 40
     seed: Annotated[int, Option("--seed")] = 0

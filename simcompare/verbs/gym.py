@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from simcompare import units
 from simcompare.arguments import checked
 from simcompare.errors import EngineMissing, UnknownName
 from simcompare.model.settings import ASSISTED, CONTACT_LEVELS
-from simcompare.scenarios import catalogue
+from simcompare.scenarios import catalogue, robot_values
 
 try:
     from simcompare.learning.environment import Asked, Environment
@@ -28,6 +29,7 @@ def gym(
     control_Hz: float | None = None,
     step: str | float | None = None,
     set: Mapping[str, str | float] | None = None,
+    robot: str | Path | None = None,
 ) -> Environment:
     """Opens a scenario with a task as an environment in which something can be learnt.
 
@@ -46,6 +48,8 @@ def gym(
         control_Hz: actions in a second; the task's own by default.
         step: the engine's step, "2ms" or in seconds; the scenario's own by default.
         set: parameters that are the same in all episodes; text may carry a unit.
+        robot: file of a robot (``simcompare robot --template``), applied before ``set``; also the
+            same in all episodes.
 
     Returns:
         The environment, a ``gymnasium.Env``.
@@ -58,6 +62,7 @@ def gym(
     """
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
-    given = catalogue.load(scenario).read_settings(set or {})
+    file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
+    given = {**of_robot, **file.read_settings(set or {})}
     step_s = None if step is None else units.to_si(step, "s", "step")
     return Environment(Asked(scenario, engine, contact, sensors, control_Hz, given, step_s))

@@ -125,6 +125,7 @@ class UncertaintyRequest(Request):
     inputs: Annotated[Place | None, Option("--inputs")] = None
     correlation: Annotated[Values, Option("--correlation")] = None
     contact: Annotated[str, Option("--contact")] = ASSISTED
+    robot: Annotated[Place | None, Option("--robot")] = None
     preset: Annotated[str | None, Option("--preset")] = None
     seeds: Annotated[int | None, Option("--seeds")] = None
     trials: Annotated[int | None, Option("--trials")] = None

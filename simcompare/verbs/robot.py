@@ -17,11 +17,7 @@ from simcompare.hardware.robot.description import Robot
 from simcompare.hardware.robot.ros_package import CONTROLLER, package_files
 from simcompare.model.scenario import Scenario
 from simcompare.reports.render import output
-from simcompare.scenarios import catalogue
-from simcompare.verbs import robot_values
-
-#: products of inertia that turn the principal axes by less are not worth a word [rad]
-_TILT_RAD = math.radians(0.1)
+from simcompare.scenarios import catalogue, robot_values
 
 
 @dataclass(frozen=True)
@@ -80,7 +76,7 @@ def robot(robot: str | Path | None = None, *, out: str | Path | None = None) -> 
         made.name, made.title, sum(one.mass_kg for one in built.placed(made)), values,
         built.products_kg_m2(made),
         tuple(name for name, _, part, _ in bill.parts(made) if not part.confirmed),
-        tuple(files), (*left_out, *_about_tilt(made)),
+        tuple(files), (*left_out, *robot_values.left_out(robot)),
     )  # fmt: skip
 
 
@@ -93,8 +89,9 @@ def _contents(
     made: Robot, robot: str | Path | None, left_out: list[str]
 ) -> Iterator[tuple[str, bytes]]:
     """Path -> content of every file, the drawings last; what is missing is told."""
-    file = catalogue.load(made.scenario)
-    scenario = _seen(file.resolve(robot_values.of_file(file, robot or robot_file.OWN)), made)
+    file, values = robot_values.taken(catalogue.load(made.scenario), robot or robot_file.OWN)
+    scenario = file.resolve(values)
+    _check_body(scenario, made)
     products = {made.body: built.products_kg_m2(made)}
     for format, ending in FORMATS.items():
         text = with_products(twin(scenario, format=format), products).text
@@ -120,11 +117,11 @@ def _contents(
         left_out.append(str(missing))
 
 
-def _seen(scenario: Scenario, made: Robot) -> Scenario:
-    """The scenario in which the robot looks as its parts do.
+def _check_body(scenario: Scenario, made: Robot) -> None:
+    """Refuses a name that no body has, or another than the robot's.
 
     Raises:
-        UnknownName: the scenario has no such body, or it is not the robot's.
+        UnknownName: names those that could be meant.
     """
     mass_kg = built.body_of(made).mass_kg
     fitting = [
@@ -134,8 +131,6 @@ def _seen(scenario: Scenario, made: Robot) -> Scenario:
     ]
     if made.body not in fitting:
         raise UnknownName(f"body of the robot in the scenario {scenario.name}", made.body, fitting)
-    body = scenario.bodies[made.body].model_copy(update={"visual": built.drawn(made)})
-    return scenario.model_copy(update={"bodies": {**scenario.bodies, made.body: body}})
 
 
 def _mark(path: str, content: bytes) -> bytes:
@@ -143,13 +138,3 @@ def _mark(path: str, content: bytes) -> bytes:
     if path.endswith(".csv"):
         return content.partition(b"\n")[0]
     return cad.MADE_BY if content else b""
-
-
-def _about_tilt(made: Robot) -> Iterator[str]:
-    tilt = built.tilt_rad(made)
-    if abs(tilt) > _TILT_RAD:
-        yield (
-            f"runs in simcompare leave out the product of inertia I_xz ="
-            f" {built.products_kg_m2(made)[1]:.3g} kg·m², which turns the principal axes by"
-            f" {math.degrees(tilt):.2g}°; URDF, SDF and MJCF have it"
-        )

@@ -19,9 +19,9 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.settings import ASSISTED, BY_HAND, CONTACT_LEVELS, Settings
 from simcompare.results.asked_sensors import Drawn, asked_devices
 from simcompare.running.jobs import Job, Outcome
-from simcompare.scenarios import catalogue
+from simcompare.scenarios import catalogue, robot_values
 from simcompare.scenarios.scenario_file import ScenarioFile
-from simcompare.verbs import levels, robot_values
+from simcompare.verbs import levels
 from simcompare.verbs.request import RunRequest
 
 if TYPE_CHECKING:
@@ -60,10 +60,10 @@ class RunPlan:
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """Where the fit is used outside of what it was made for."""
-        if self.fit is None:
-            return ()
-        found = [one for at in self.steps for one in self.fit.cautions(at.nominal, self.file)]
+        """What of the robot is left out, and where a fit is used outside of its range."""
+        found = list(robot_values.left_out(self.request.robot))
+        if self.fit is not None:
+            found += [one for at in self.steps for one in self.fit.cautions(at.nominal, self.file)]
         return tuple(dict.fromkeys(found))
 
 
@@ -85,9 +85,10 @@ def planned(request: RunRequest, *, trust: bool = False) -> RunPlan:
     judged = levels.judged_levels(request.judge, fit)
     file = catalogue.load(request.scenario, trust=trust)
     table = _table(file, request.against)
+    file, of_robot = robot_values.taken(file, request.robot)
     values = {
         **({} if fit is None else fit.base(file)),
-        **robot_values.of_file(file, request.robot),
+        **of_robot,
         **file.read_settings(request.set or {}),
     }
     preset = request.preset

@@ -35,6 +35,7 @@ def uncertainty(
     of: str | None = None,
     engine: str | Sequence[str] = "",
     set: Mapping[str, str | float] | None = None,
+    robot: str | Path | None = None,
     u: Mapping[str, str | float] | None = None,
     inputs: str | Path | None = None,
     correlation: Mapping[str, str | float] | None = None,
@@ -72,6 +73,7 @@ def uncertainty(
         inputs: YAML file with more inputs.
         correlation: "a,b" -> coefficient of correlation of two inputs.
         contact: contact level of the engines.
+        robot: file of a robot (``simcompare robot --template``), applied before ``set``.
         preset: named set of parameters, applied first.
         step: the engine's step, "1ms" or in seconds.
         seeds: number of dithered repeats; the scenario's own where ``None``.
@@ -91,6 +93,7 @@ def uncertainty(
     engine = engines.listed(engine)
     request = UncertaintyRequest(
         scenario="" if scenario is None else str(scenario), engine=engine, of=of, set=set, u=u,
+        robot=robot,
         inputs=inputs, correlation=correlation, contact=contact, preset=preset, step=step,
         seeds=seeds, trials=trials, probability=probability, seed=seed,
     )  # fmt: skip
@@ -128,6 +131,7 @@ def _check(request: UncertaintyRequest, time_limit_s: float) -> None:
     if not request.scenario:
         for_scenes = {
             "--engine": request.engine,
+            "--robot": request.robot,
             "--preset": request.preset,
             "--step": request.step,
         }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from simcompare.comparison.repeats import repeats_of, sample_step_s
 from simcompare.engine import by_hand, engines
@@ -22,7 +23,7 @@ from simcompare.model.scenario import Scenario
 from simcompare.model.settings import CONTACT_LEVELS, DEFAULT, TUNED, Settings
 from simcompare.model.trajectory import Array
 from simcompare.model.tuning import TuningRow
-from simcompare.scenarios import catalogue
+from simcompare.scenarios import catalogue, robot_values
 from simcompare.scenarios.scenario_file import ScenarioFile
 
 #: contact levels that a plain loop with one step can have
@@ -53,6 +54,7 @@ def script(
     *,
     engine: str | None,
     set: Mapping[str, str | float] | None = None,
+    robot: str | Path | None = None,
     preset: str | None = None,
     fit: str | None = None,
     own: Mapping[str, str | float] | None = None,
@@ -66,6 +68,7 @@ def script(
         scenario: name, folder or file.
         engine: name of the engine.
         set: parameters that differ from the file; text may carry a unit ("30cm").
+        robot: file of a robot (``simcompare robot --template``), applied before ``set``.
         preset: named set of parameters, applied first.
         fit: fit.json of ``simcompare fit``; the engine gets its own parameters.
         own: contact values of the engine, such as ``{"pymunk.elasticity": 0.9}``, in place of those
@@ -85,8 +88,8 @@ def script(
     writer = script_of(chosen)
     assert isinstance(chosen, EngineBackend), "only those have a method script()"
     level = level_of(contact, fit, own)
-    file = catalogue.load(scenario)
-    values = _values(file, engine, set or {}, fit)
+    file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
+    values = _values(file, engine, {**of_robot, **file.read_settings(set or {})}, fit)
     step_s = None if fit is None else fit_values.read(fit).usual_step_s
     if step is not None:
         step_s = sample_step_s(file, values, preset, step)
@@ -180,9 +183,8 @@ def level_of(
 
 
 def _values(
-    file: ScenarioFile, engine: str, settings: Mapping[str, str | float], fit: str | None
-) -> dict[str, float]:
-    own = file.read_settings(settings)
+    file: ScenarioFile, engine: str, own: Mapping[str, float], fit: str | None
+) -> Mapping[str, float]:
     if fit is None:
         return own
     # the drop that was measured, unless another one is asked for

@@ -1,0 +1,74 @@
+"""What a scenario takes of the file of a robot: numbers, and how the robot looks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from simcompare.errors import InputError
+from simcompare.hardware.robot import built, robot_file
+from simcompare.hardware.robot.description import Robot
+from simcompare.scenarios.scenario_file import ScenarioFile, out_of_bounds
+
+#: products of inertia that turn the principal axes by less are not worth a word [rad]
+_TILT_RAD = math.radians(0.1)
+
+
+def taken(file: ScenarioFile, robot: str | Path | None) -> tuple[ScenarioFile, Mapping[str, float]]:
+    """The scenario in which a robot looks as its parts do, and parameters that follow from them.
+
+    Args:
+        file: the scenario.
+        robot: file of the robot; nothing is changed without one.
+
+    Returns:
+        The scenario, and the values of those parameters that it has, SI.
+
+    Raises:
+        InputError: no such file or no robot, a scenario without any of these parameters, or values
+            that it does not take.
+    """
+    if robot is None:
+        return file, {}
+    made = robot_file.read(robot)
+    known = built.parameters(made)
+    values = {name: value for name, value in known.items() if name in file.parameters}
+    if not values:
+        raise InputError(
+            f"--robot {robot}",
+            [
+                f"the scenario {file.name} has no parameter of a robot; it needs some of:"
+                f" {', '.join(known)}"
+            ],
+        )
+    faults = out_of_bounds(values, file.parameters)
+    if faults:
+        raise InputError(f"--robot {robot}, scenario {file.name}", list(faults.values()))
+    return _drawn(file, made), values
+
+
+def _drawn(file: ScenarioFile, robot: Robot) -> ScenarioFile:
+    """The scenario with the robot's parts as the shapes that are drawn of its body."""
+    bodies = file.tree["bodies"]
+    if robot.body not in bodies:
+        return file
+    visual = [shape.model_dump(mode="json") for shape in built.drawn(robot)]
+    seen = {**bodies, robot.body: {**bodies[robot.body], "visual": visual}}
+    return replace(file, tree={**file.tree, "bodies": seen})
+
+
+def left_out(robot: str | Path | None) -> tuple[str, ...]:
+    """What of a robot no scenario takes, where that is worth a word."""
+    if robot is None:
+        return ()
+    made = robot_file.read(robot)
+    tilt = built.tilt_rad(made)
+    if abs(tilt) <= _TILT_RAD:
+        return ()
+    return (
+        f"runs leave out the robot's product of inertia I_xz = {built.products_kg_m2(made)[1]:.3g}"
+        f" kg·m², which turns its principal axes by {math.degrees(tilt):.2g}° (URDF, SDF and MJCF"
+        " have it); on a floor only the loads of the wheels in a curve are a little off",
+    )
