@@ -96,6 +96,12 @@ def test_gazebo_takes_the_sdf_without_a_warning(name, ign, specification, save):
     assert_valid_sdf(simcompare.export(SCENES[name](), format="sdf"), ign, specification, save)
 
 
+def test_gazebo_takes_the_rays_of_a_range_sensor(ign, specification, save):
+    text = simcompare.export("time_of_flight", format="sdf")
+    assert "<ray>" in text
+    assert_valid_sdf(text, ign, specification, save)
+
+
 @pytest.mark.parametrize(
     ("was", "broken"),
     [

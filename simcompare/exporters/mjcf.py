@@ -8,13 +8,15 @@ from xml.etree import ElementTree as ET
 from simcompare.backends.mujoco.backend import BACKEND
 from simcompare.backends.mujoco.mjcf import mjcf
 from simcompare.engine.helps.spring_contact import steps_for
+from simcompare.engine.kinematics import vector_of
+from simcompare.engine.range_sensing import REACH_M, rays_of
 from simcompare.exporters import parts
-from simcompare.exporters.parts import Twin, number
+from simcompare.exporters.parts import Twin, add, number, numbers
 from simcompare.model.scenario import Scenario
 from simcompare.model.settings import Settings
 
 #: sensors that the model holds
-_HELD_SENSORS = ("force", "contact_force")
+_HELD_SENSORS = ("force", "contact_force", "time_of_flight")
 
 
 def write(scenario: Scenario) -> Twin:
@@ -32,6 +34,8 @@ def write(scenario: Scenario) -> Twin:
     option = root.find("option")
     if bounces(scenario) and option is not None:
         option.set("timestep", number(_step_s(scenario)))
+    for name in scenario.range_sensors():
+        _add_rangefinders(root, scenario, name)
     left_out = tuple(_left_out(scenario))
     text = parts.finish(root, scenario, "mjcf", left_out)
     return Twin(
@@ -47,6 +51,27 @@ def bounces(scenario: Scenario) -> bool:
 def _step_s(scenario: Scenario) -> float:
     """Step that the contact needs [s]."""
     return steps_for(scenario, stagger=-0.5).contact_step_s
+
+
+def _add_rangefinders(root: ET.Element, scenario: Scenario, name: str) -> None:
+    """A site for each zone, which looks along its z axis, and what it reads."""
+    sensor = scenario.sensors[name]
+    body, readings = root.find(f".//body[@name='{sensor.body}']"), root.find("sensor")
+    assert body is not None
+    assert readings is not None
+    comment = (
+        f" {name}: distances along the ray of each zone, the reach beyond it, -1 where there is"
+        " nothing at all; along the axis, as simcompare tells them, they are shorter by the cosine"
+        " between ray and axis "
+    )
+    readings.append(ET.Comment(comment))
+    reach_m, place = sensor.reach_m or REACH_M, numbers(sensor.position_m)
+    for zone, (ray, length) in enumerate(zip(*rays_of(sensor), strict=True)):
+        along = parts.turned(sensor.orientation_wxyz, vector_of(ray))
+        own = f"{name}_{zone}"
+        add(body, "site", name=own, pos=place, zaxis=numbers(along), size="0.001")
+        far = number(reach_m * float(length))
+        add(readings, "rangefinder", name=own, site=own, cutoff=far)
 
 
 def _left_out(scenario: Scenario) -> Iterator[str]:

@@ -8,13 +8,17 @@ Gazebo reads them only in a world that loads its sensor systems, and efforts nee
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Literal
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from simcompare.engine.contacts import touching_pairs
 from simcompare.engine.drives import JointLaw, laws_of
 from simcompare.engine.kinematics import Mount, mount_of
+from simcompare.engine.range_sensing import HALF_VIEW_RAD, REACH_M, rays_of
 from simcompare.exporters import parts
 from simcompare.exporters.parts import Twin, add, number, numbers
 from simcompare.model.scenario import Body, Joint, Scenario
@@ -28,9 +32,12 @@ PLANE_EDGE_M = 100.0
 _KINDS = {"hinge": "revolute", "slider": "prismatic", "fixed": "fixed", "ball": "ball"}
 #: our sensors as SDF's
 _SENSORS = {
-    "accelerometer": "imu", "gyroscope": "imu", "imu": "imu", "barometer": "air_pressure"
+    "accelerometer": "imu", "gyroscope": "imu", "imu": "imu", "barometer": "air_pressure",
+    "time_of_flight": "gpu_ray",
 }  # fmt: skip
 _HELD_SENSORS = (*_SENSORS, "force")
+#: a camera, by which Gazebo casts rays, sees nothing nearer [m]
+_NEAREST_M = 0.01
 _NO_TURN = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -130,7 +137,7 @@ def _add_link(
             if kind == "collision" and name in surfaces.friction:
                 _add_surface(element, surfaces.friction[name], surfaces.restitution[name])
     for sensor_name, sensor in scenario.sensors.items():
-        if sensor.type in _SENSORS and sensor.body == name:
+        if sensor.type in _SENSORS and sensor.body == name and sensor.geometry != "rectilinear":
             _add_sensor(link, scenario, sensor_name, sensor)
 
 
@@ -207,8 +214,44 @@ def _add_sensor(parent: ET.Element, scenario: Scenario, name: str, sensor: Senso
         add(reading, "measure_direction", "parent_to_child")
     else:
         _add_pose(element, sensor.position_m, sensor.orientation_wxyz)
+    if sensor.zones is not None:
+        _add_scan(element, sensor, sensor.zones)
     add(element, "always_on", "true")
     add(element, "update_rate", number(1 / scenario.world.step_s))
+
+
+def _add_scan(element: ET.Element, sensor: Sensor, zones: int) -> None:
+    """Rays that are even in angle, one in the middle of each column and row."""
+    ray = add(element, "ray")
+    scan, far = add(ray, "scan"), HALF_VIEW_RAD * (1 - 1 / zones)
+    for way in ("horizontal", "vertical"):
+        line = add(scan, way)
+        add(line, "samples", str(zones))
+        add(line, "resolution", "1")
+        add(line, "min_angle", number(-far))
+        add(line, "max_angle", number(far))
+    reach = add(ray, "range")
+    add(reach, "min", number(_NEAREST_M))
+    add(reach, "max", number(sensor.reach_m or REACH_M))
+
+
+def _differences_of_rays(scenario: Scenario) -> Iterator[str]:
+    """What rays that SDF can say are, beside those of range sensors."""
+    for name, sensor in scenario.range_sensors().items():
+        if sensor.geometry == "rectilinear":
+            what = f"sensor {name}: time_of_flight of {sensor.body}"
+            yield f"{what} with the geometry rectilinear; rays of SDF are even in angle"
+            continue
+        ours, _ = rays_of(sensor)
+        # theirs rise about the axis from left to right after they turn
+        turn, rise = np.arctan2(ours[:, 1], ours[:, 0]), np.arctan2(ours[:, 2], ours[:, 0])
+        along = (np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise))
+        off = np.arccos(np.clip(np.sum(ours * np.column_stack(along), axis=1), -1, 1)).max()
+        yield (
+            f"sensor {name}: its rays as those of a lidar, in the corners {math.degrees(off):.1f}°"
+            " beside ours; it tells distances along the ray, from the right and from below, and"
+            " sees what is drawn"
+        )
 
 
 def _add_pose(element: ET.Element, position: Vector, orientation: Quaternion) -> None:
@@ -223,6 +266,7 @@ def _left_out(scenario: Scenario, surfaces: _Surfaces) -> Iterator[str]:
     yield from parts.drives(scenario)
     yield from parts.motion_at_start(scenario)
     yield from parts.drag(scenario)
+    yield from _differences_of_rays(scenario)
     yield from parts.sensors(scenario, _HELD_SENSORS)
 
 
