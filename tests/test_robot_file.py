@@ -151,9 +151,42 @@ def test_all_faults_are_told_at_once_with_place_value_and_cure(changed):
     assert all(fault.startswith("line ") for fault in faults.splitlines())
 
 
+def test_what_cannot_be_read_hides_nothing_else(changed):
+    """Of names that are not known, texts and missing keys, and of values and sizes, all is told."""
+    horn = {"text": "Horn", "size_m": [0.01, 0.01, 0.01], "position_m": [0, 0, 0.05]}
+    path = changed(
+        {
+            "wheels.raduis_m": 0.03, "wheels.width_m": 0.2, "parts.battery.mass_kg": -0.14,
+            "caster.behind_m": 0.3, "parts.imu.i2c": "x", "parts.imu.size_m": [0.016, "wide", 3],
+            "parts.horn": horn,
+        },
+        without=["motor.source"],
+    )  # fmt: skip
+    places = [fault.split(": ")[0].partition(", ")[2] for fault in faults_of(path)]
+    assert sorted(places) == sorted(
+        [
+            "wheels.raduis_m", "wheels.width_m", "parts.battery.mass_kg", "caster.behind_m",
+            "parts.imu.i2c", "parts.imu.size_m.1", "parts.horn.mass_kg", "parts.horn.source",
+            "motor.source",
+        ]
+    )  # fmt: skip
+
+
+def test_a_part_in_the_way_is_told_beside_a_wrong_wire(changed):
+    path = changed({"parts.imu.position_m": [0, 0, 0.02], "parts.imu.i2c": 3})
+    first, second = faults_of(path)
+    assert "overlap" in first
+    assert "0x08 to 0x77" in second
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
+        ({"chassis.density_kg_m3": 1.24}, "found 1.24; 1 g/cm³ is 1000 kg/m³"),
+        ({"wheels.radius_m": 0.012}, "lower it, or raise wheels.radius_m"),
+        ({"wheels.radius_m": "3,25"}, "found '3,25'; write a point: 3.25"),
+        ({"wheels.radius_m": "3.25 cm"}, "write the number alone"),
+        ({"wheels.mass_kg": True}, "wheels.mass_kg: expected a number, found 'true'"),
         ({"wheels.track_m": 0.1}, "does not fit between the wheels, which leave 0.08 m"),
         ({"caster.radius_m": 0.013}, "less than the ball's diameter 0.026 m"),
         ({"caster.height_m": 0.05}, "the plate is only 0.0435 m above the floor"),

@@ -25,19 +25,36 @@ MOST_KG_M3 = 22_590.0
 _PACKAGE = re.compile(r"[a-z][a-z0-9_]*")
 #: frames that the driver gives (REP 105)
 _FRAMES = ("base_link", "odom", "map")
+#: a lower density was meant in g/cm³ [kg/m³]: there osmium, the densest, has this
+LEAST_KG_M3 = MOST_KG_M3 / 1000
+#: what else than lengths says where parts are
+_PLACING = ("mirrored", "motor")
 #: numbers that may be 0, or have either sign
 _ANY = ("position_m", "price")
 
 
 def faults(robot: Robot) -> dict[str, str]:
     """What of a robot cannot be, as place in its file -> sentence."""
-    wrong = {**_values(robot), **_sources(robot), **_sizes(robot), **wiring_faults(robot)}
+    wrong = {**faults_of_parts(robot, measured=True), **wiring_faults(robot)}
     wrong |= dict(_names(robot))
-    if wrong:
-        return wrong
+    keys = {place.rstrip(".0123456789").rpartition(".")[2] for place in wrong}
+    if any(key.endswith("_m") or key in _PLACING for key in keys):
+        return wrong  # where parts are is not known
     parts = placed(robot)
-    wrong = {**dict(_twice(parts)), **dict(_below(robot, parts)), **dict(_collisions(parts))}
-    return wrong or dict(_balance(robot))
+    apart = {**dict(_twice(parts)), **dict(_below(robot, parts)), **dict(_collisions(parts))}
+    if apart or any("kg" in key.split("_") for key in keys):
+        return {**apart, **wrong}
+    return {**dict(_balance(robot)), **wrong}
+
+
+def faults_of_parts(robot: Robot, *, measured: bool) -> dict[str, str]:
+    """What cannot be whatever is wired to what and placed where.
+
+    Args:
+        robot: what its file describes.
+        measured: whether chassis, wheels, caster and motor are those of its file.
+    """
+    return {**_values(robot), **_sources(robot), **(_sizes(robot) if measured else {})}
 
 
 def _values(robot: Robot) -> dict[str, str]:
@@ -53,6 +70,10 @@ def _values(robot: Robot) -> dict[str, str]:
             found[place] = f"expected at most {MOST_M:g} m, found {value:g}; a millimetre is 0.001"
         elif name == "mass_kg" and value > MOST_KG:
             found[place] = f"expected at most {MOST_KG:g} kg, found {value:g}; a gram is 0.001"
+        elif name == "density_kg_m3" and value < LEAST_KG_M3:
+            found[place] = (
+                f"expected at least {LEAST_KG_M3:.3g} kg/m³, found {value:g}; 1 g/cm³ is 1000 kg/m³"
+            )
         elif name == "density_kg_m3" and value > MOST_KG_M3:
             found[place] = f"expected at most {MOST_KG_M3:g} kg/m³, found {value:g}; water has 1000"
     if robot.motor.drive.efficiency > 1:
@@ -121,7 +142,8 @@ def _sizes(robot: Robot) -> dict[str, str]:
         found["parts.motor"] = "stands beside parts, as motor; give this part another name"
     if chassis.post_m[1] > chassis.width_m:
         found["chassis.post_m"] = (
-            f"{chassis.post_m[1]:g} m is wider than the plate ({chassis.width_m:g} m)"
+            f"{chassis.post_m[1]:g} m is wider than the plate ({chassis.width_m:g} m); lower its"
+            " second number"
         )
     return found | _sizes_of_caster(robot)
 
@@ -132,12 +154,14 @@ def _sizes_of_caster(robot: Robot) -> dict[str, str]:
     found: dict[str, str] = {}
     if 2 * caster.radius_m > caster.height_m:
         found["caster.height_m"] = (
-            f"{caster.height_m:g} m is less than the ball's diameter {2 * caster.radius_m:g} m"
+            f"{caster.height_m:g} m is less than the ball's diameter {2 * caster.radius_m:g} m;"
+            " raise it, or lower caster.radius_m"
         )
     room = wheels.radius_m + chassis.underside_m
     if caster.height_m >= room:
         found["caster.height_m"] = (
-            f"{caster.height_m:g} m is too high: the plate is only {room:g} m above the floor"
+            f"{caster.height_m:g} m is too high: the plate is only {room:g} m above the floor;"
+            " lower it, or raise wheels.radius_m or chassis.underside_m"
         )
     inside = caster.screws_m + caster.screw_m
     if inside >= chassis.post_m[1] or caster.screw_m >= chassis.post_m[0]:
@@ -154,7 +178,7 @@ def _sizes_of_caster(robot: Robot) -> dict[str, str]:
     if caster.behind_m + chassis.post_m[0] / 2 > rear:
         found["caster.behind_m"] = (
             f"the post reaches {caster.behind_m + chassis.post_m[0] / 2:g} m behind the axle, and"
-            f" the plate {rear:g} m; raise chassis.length_m"
+            f" the plate {rear:g} m; lower it, or raise chassis.length_m"
         )
     return found
 

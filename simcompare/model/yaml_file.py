@@ -161,7 +161,7 @@ def faults_of(error: ValidationError, model: type[BaseModel] | None = None) -> d
         if model is not None and item["type"] == "extra_forbidden":
             faults[place] = _unknown_key(model, item["loc"])
             continue
-        faults[place] = f"{message}{_found(value)}"
+        faults[place] = f"{message}{_found(value)}{_cure(item['type'], value)}"
     return faults
 
 
@@ -171,9 +171,18 @@ def _found(value: object) -> str:
         return ""
     if isinstance(value, bool):
         return f", found {str(value).lower()}"
-    if isinstance(value, str) and re.fullmatch(r"[-+]?\d+,\d+", value):
-        return f", found {value!r}; write a point: {value.replace(',', '.')}"
     return ", found nothing" if value is None else f", found {value!r:.200}"
+
+
+def _cure(kind: str, value: object) -> str:
+    """What to write in place of a text that nearly is a number."""
+    if kind not in ("float_parsing", "int_parsing") or not isinstance(value, str):
+        return ""
+    if re.fullmatch(r"[-+]?\d+,\d+", value):
+        return f"; write a point: {value.replace(',', '.')}"
+    if re.fullmatch(r"[-+]?[\d.]+ ?[^\W\d_].{,9}", value):
+        return "; write the number alone"
+    return ""
 
 
 def _unknown_key(model: type[BaseModel], loc: tuple[int | str, ...]) -> str:

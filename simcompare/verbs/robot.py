@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from simcompare.arguments import checked
-from simcompare.errors import UnknownName
+from simcompare.errors import InputError, UnknownName
 from simcompare.exporters.products import with_products
 from simcompare.exporters.twins import FORMATS, twin
 from simcompare.hardware.robot import bill, built, cad, robot_file
@@ -89,9 +89,7 @@ def _contents(
     made: Robot, robot: str | Path | None, left_out: list[str]
 ) -> Iterator[tuple[str, bytes]]:
     """Path -> content of every file, the drawings last; what is missing is told."""
-    file, values = robot_values.taken(catalogue.load(made.scenario), robot or robot_file.OWN)
-    scenario = file.resolve(values)
-    _check_body(scenario, made)
+    scenario = _scenario(made, robot or robot_file.OWN)
     products = {made.body: built.products_kg_m2(made)}
     for format, ending in FORMATS.items():
         text = with_products(twin(scenario, format=format), products).text
@@ -117,12 +115,17 @@ def _contents(
         left_out.append(str(missing))
 
 
-def _check_body(scenario: Scenario, made: Robot) -> None:
-    """Refuses a name that no body has, or another than the robot's.
+def _scenario(made: Robot, path: str | Path) -> Scenario:
+    """The scenario of a robot, with its numbers.
 
     Raises:
-        UnknownName: names those that could be meant.
+        InputError: there is no such scenario, or it has no such body, or that is not the robot's.
     """
+    try:
+        file, values = robot_values.taken(catalogue.load(made.scenario), path)
+    except UnknownName as error:
+        raise InputError(str(path), [f"scenario: {error}"]) from None
+    scenario = file.resolve(values)
     mass_kg = built.body_of(made).mass_kg
     fitting = [
         name
@@ -130,7 +133,9 @@ def _check_body(scenario: Scenario, made: Robot) -> None:
         if not body.fixed and math.isclose(body.mass_kg or 0.0, mass_kg, rel_tol=1e-9)
     ]
     if made.body not in fitting:
-        raise UnknownName(f"body of the robot in the scenario {scenario.name}", made.body, fitting)
+        what = f"body of the robot in the scenario {scenario.name}"
+        raise InputError(str(path), [f"body: {UnknownName(what, made.body, fitting)}"])
+    return scenario
 
 
 def _mark(path: str, content: bytes) -> bytes:
