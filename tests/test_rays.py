@@ -233,4 +233,5 @@ def test_what_is_beside_the_view_is_left_out_and_nothing_else():
         together, index = solids.distances(origin, narrow)
         apart, same = solids.distances(np.tile(origin, (50, 1)), narrow)
         np.testing.assert_allclose(together, apart, rtol=0, atol=EXACT_M)
+        np.testing.assert_array_equal(solids.ranges(origin, narrow), together)
         np.testing.assert_array_equal(index, same)

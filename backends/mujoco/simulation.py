@@ -93,7 +93,7 @@ class MujocoSimulation(ReducedSimulation):
         mujoco.mj_kinematics(self._model, self.data)  # a step leaves bodies where it began
         geoms, distances = np.empty(count, np.int32), np.empty(count)
         mujoco.mj_multiRay(
-            self._model, self.data, np.asarray(origin_m), directions.ravel(), None, True,
+            self._model, self.data, origin_m, directions.ravel(), None, True,
             self._numbers[without_body], geoms, distances, None, count, reach_m,
         )  # fmt: skip
         distances[(distances < 0) | (distances > reach_m)] = np.inf

@@ -54,10 +54,10 @@ class RayScene:
             Distances (n, k) [m]; ``inf`` where nothing is met.
         """
         starts, along = _flat(origins, directions)
-        found, _ = self._still.distances(starts, along)
+        found = self._still.ranges(starts, along)
         for i, solids in self._moving.items():
             seen = self._seen_from(i, signals, starts, along)
-            found = np.minimum(found, solids.distances(*seen)[0])
+            found = np.minimum(found, solids.ranges(*seen))
         return found.reshape(directions.shape[:2])
 
     def cast(self, origins: Array, directions: Array, signals: Mapping[str, Array]) -> Hits:

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from simcompare.model.rotations import matrix_of
+from simcompare.model.rotations import rotate
 from simcompare.model.shapes import Shape
 from simcompare.model.trajectory import Array
 
@@ -59,8 +59,10 @@ class Solids:
         self._groups = [
             _Group(kind, [shapes[i] for i in found]) for kind, found in places.items() if found
         ]
-        self._order = np.array([i for found in places.values() for i in found], dtype=np.intp)
+        self._order = np.array([*itertools.chain(*places.values()), -1], dtype=np.intp)
         self._firsts = [0, *itertools.accumulate(len(group.middle) for group in self._groups)]
+        self._rows = np.arange(max(1, self._firsts[-1]))
+        self._all: list[tuple[_Group, Any]] = [(group, slice(None)) for group in self._groups]
         if self._groups:
             self._middle = np.concatenate([group.middle for group in self._groups])
             self._around = np.concatenate([group.around for group in self._groups])
@@ -77,9 +79,14 @@ class Solids:
             Distances (n,) [m], ``inf`` for nothing, and indices of shapes (n,), -1 for none.
         """
         distance, row = self._nearest(np.atleast_2d(origins), directions)
-        if not len(self._order):
-            return distance, row
-        return distance, np.where(np.isfinite(distance), self._order[row], -1)
+        return distance, self._order[row]
+
+    def ranges(self, origins: Array, directions: Array) -> Array:
+        """The distances alone, which cost less."""
+        tables = [
+            table.min(axis=0) for table, _ in self._tables(np.atleast_2d(origins), directions)
+        ]
+        return tables[0] if len(tables) == 1 else np.concatenate(tables)
 
     def cast(self, origins: Array, directions: Array) -> Hits:
         """The same with the normals of the surfaces that are met."""
@@ -98,32 +105,42 @@ class Solids:
         return Hits(distance, normal, index)
 
     def _nearest(self, origins: Array, directions: Array) -> tuple[Array, Indices]:
-        """Distances, and rows of shapes in the order of the groups."""
-        count = len(directions)
-        if not self._groups or not count:
-            return np.full(count, np.inf), np.full(count, -1, dtype=np.intp)
-        is_one, seen = len(origins) == 1, np.arange(len(self._order))
-        if is_one and count * len(seen) > _FEW:
-            seen = self._in_sight(origins[0], directions)
-        if not len(seen):
-            return np.full(count, np.inf), np.full(count, -1, dtype=np.intp)
-        rows = [
-            (group, seen[(seen >= first) & (seen < end)] - first)
-            for group, first, end in zip(self._groups, self._firsts, self._firsts[1:], strict=False)
-        ]
-        starts, columns = np.ascontiguousarray(origins.T), np.ascontiguousarray(directions.T)
-        size, found = max(1, _AT_ONCE // len(seen)), []
-        for i in range(0, count, size):
-            part = slice(i, i + size)
-            begin = starts if is_one else starts[:, part]
-            every = [group.entries(begin, columns[:, part], own) for group, own in rows if len(own)]
-            table = every[0] if len(every) == 1 else np.concatenate(every)
+        """Distances, and rows of shapes in the order of the groups; -1 where nothing is met."""
+        found = []
+        for table, rows in self._tables(origins, directions):
             nearest = table.argmin(axis=0)
-            found.append((table[nearest, np.arange(table.shape[1])], seen[nearest]))
-        if len(found) == 1:
-            return found[0]
+            distance = table[nearest, np.arange(table.shape[1])]
+            found.append((distance, np.where(distance < np.inf, rows[nearest], -1)))
         distances, nearest_rows = zip(*found, strict=True)
         return np.concatenate(distances), np.concatenate(nearest_rows)
+
+    def _tables(self, origins: Array, directions: Array) -> Iterator[tuple[Array, Indices]]:
+        """Distances (k, n) at which some rays enter the shapes of some rows (k,), for all rays."""
+        is_one, seen, parts = len(origins) == 1, self._rows, self._all
+        if is_one and parts and len(directions) * len(seen) > _FEW:
+            seen = self._in_sight(origins[0], directions)
+            ends = np.searchsorted(seen, self._firsts)
+            parts = [
+                (group, seen[i:k] - first)
+                for group, first, i, k in zip(
+                    self._groups, self._firsts, ends, ends[1:], strict=False
+                )
+                if i < k
+            ]
+        if not parts or not len(directions):
+            yield np.full((1, len(directions)), np.inf), self._rows[:1]
+            return
+        starts, columns = np.ascontiguousarray(origins.T), np.ascontiguousarray(directions.T)
+        size = max(1, _AT_ONCE // len(seen))
+        for i in range(0, len(directions), size):
+            along = columns[:, i : i + size]
+            begin = starts if is_one else starts[:, i : i + size]
+            # rays along a plane, and those that pass a round shape by
+            with np.errstate(divide="ignore", invalid="ignore"):
+                both = [group.stretches(begin, along, rows) for group, rows in parts]
+            near, far = (np.concatenate(tables) for tables in zip(*both, strict=True))
+            # what is entered behind the start, or left before it is entered, is not met
+            yield np.where((near <= far) & (near >= 0), near, np.inf), seen
 
     def _in_sight(self, origin: Array, directions: Array) -> Indices:
         """Rows of the shapes that come near the narrowest cone about all rays."""
@@ -131,7 +148,7 @@ class Solids:
         length = math.hypot(*axis.tolist())
         cosine = min(float((directions @ axis).min()) / length, 1.0) if length else 0.0
         if cosine <= 0:
-            return np.arange(len(self._order))
+            return self._rows
         away = self._middle - origin
         along = away @ (axis / length)
         aside = np.sqrt(np.maximum((away * away).sum(axis=1) - along * along, 0.0))
@@ -167,73 +184,57 @@ class _Group:
             self._above = np.sum(self._up * self.middle, axis=1)[:, None]
             self.around = np.full(len(shapes), np.inf)
             return
-        turns = [matrix_of(shape.orientation_wxyz) for shape in shapes]
-        self._into = np.transpose(turns, (0, 2, 1))  # the frame's vectors in the shape's
-        self._shift = self._into @ self.middle[:, :, None]
+        turns = np.repeat([shape.orientation_wxyz for shape in shapes], 3, axis=0)
+        # the frame's vectors in the shape's
+        into = rotate(turns, np.tile(np.eye(3), (len(shapes), 1))).reshape(-1, 3, 3)
+        self._into = np.ascontiguousarray(np.moveaxis(into, 0, 1))
+        self._shift = (into @ self.middle[:, :, None]).transpose(1, 0, 2)
         if kind == "box":
-            self._half = np.array([shape.size_m for shape in shapes])[:, :, None] / 2
-            self.around = 1.001 * np.linalg.norm(self._half[:, :, 0], axis=1)
+            self._half = np.array([shape.size_m for shape in shapes]).T[:, :, None] / 2
+            self.around = 1.001 * np.linalg.norm(self._half[:, :, 0], axis=0)
             return
         self._radius = np.array([shape.radius_m for shape in shapes])[:, None]
         self._long = np.array([getattr(shape, "length_m", 0.0) for shape in shapes])[:, None] / 2
         self.around = 1.001 * (self._radius + self._long)[:, 0]
 
-    def entries(self, starts: Array, directions: Array, rows: Indices) -> Array:
-        """Distances (k, n) at which rays (3, 1 or n) and (3, n) enter; ``inf`` where they do not.
+    def stretches(self, starts: Array, directions: Array, rows: Any) -> tuple[Array, Array]:  # noqa: ANN401
+        """Distances (k, n) between which rays (3, 1 or n) and (3, n) are inside.
 
-        A ray that enters behind its start, or begins inside, does not enter.
+        Where a ray never is, the first is larger than the second, or one of them no number.
 
         Args:
             starts: where they begin.
             directions: unit vectors.
-            rows: which of the shapes (k,).
+            rows: which of the shapes (k,), or a slice of them.
         """
         if self.kind == "plane":
             above = self._up[rows] @ starts - self._above[rows]
             down = -(self._up[rows] @ directions)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                return np.where((down > 0) & (above >= 0), above / down, np.inf)
-        into = self._into[rows]
-        o, d = into @ starts - self._shift[rows], into @ directions
+            near = np.where(down > 0, above / down, np.inf)  # it is entered from above
+            return near, np.full(down.shape, np.inf)
+        into = self._into[:, rows]
+        flat = into.reshape(-1, 3)  # x of all shapes, then y, then z
+        o = (flat @ starts).reshape(*into.shape[:2], -1) - self._shift[:, rows]
+        d = (flat @ directions).reshape(*into.shape[:2], -1)
         if self.kind == "sphere":
-            near, far = _round(o, d, self._radius[rows])
-        else:
-            d += _TINY
-            near, far = getattr(self, f"_{self.kind}")(o, d, rows)
-        return np.where((near <= far) & (near >= 0), near, np.inf)
-
-    def _box(self, o: Array, d: Array, rows: Indices) -> tuple[Array, Array]:
-        inverse = 1 / d
-        middle, half = -o * inverse, self._half[rows] * np.abs(inverse)
-        return (middle - half).max(axis=1), (middle + half).min(axis=1)
-
-    def _cylinder(self, o: Array, d: Array, rows: Indices) -> tuple[Array, Array]:
-        near, far = _tube(o, d, self._radius[rows])
-        inverse = 1 / d[:, 2]
-        middle, half = -o[:, 2] * inverse, self._long[rows] * np.abs(inverse)
-        return np.maximum(near, middle - half), np.minimum(far, middle + half)
-
-    def _capsule(self, o: Array, d: Array, rows: Indices) -> tuple[Array, Array]:
-        parts, long = [self._cylinder(o, d, rows)], self._long[rows]
-        for end in (-long, long):
-            moved = o.copy()
-            moved[:, 2] -= end
-            parts.append(_round(moved, d, self._radius[rows]))
-        # together they are convex, so where a ray is in one of them it is in one stretch
-        near = np.minimum.reduce([np.where(n <= f, n, np.inf) for n, f in parts])
-        return near, np.full(1, np.inf)
+            return _round(o, d, self._radius[rows])
+        d += _TINY
+        if self.kind == "box":
+            return _box(o, d, self._half[:, rows])
+        long, radius = self._long[rows], self._radius[rows]
+        return (_cylinder if self.kind == "cylinder" else _capsule)(o, d, radius, long)
 
     def normals(self, row: Indices, place: Array, directions: Array) -> Array:
         """Outward normals (n, 3) at places (n, 3) on the shapes of these rows (n,)."""
         if self.kind == "plane":
             return np.asarray(self._up[row], dtype=float)
-        into = self._into[row]
-        p = np.einsum("nij,nj->ni", into, place - self.middle[row])
-        d = np.einsum("nij,nj->ni", into, directions)
+        into = self._into[:, row]
+        p = np.einsum("inj,nj->ni", into, place - self.middle[row])
+        d = np.einsum("inj,nj->ni", into, directions)
         if self.kind == "sphere":
             out = p
         elif self.kind == "box":
-            out = _side(p / self._half[row, :, 0], d)
+            out = _side(p / self._half[:, row, 0].T, d)
         else:
             half, radius = self._long[row, 0], self._radius[row, 0]
             if self.kind == "capsule":
@@ -243,7 +244,7 @@ class _Group:
                 is_end = np.abs(p[:, 2]) / half > np.linalg.norm(tube, axis=1) / radius
                 out = np.where(is_end[:, None], flat, tube)
         out = out / np.linalg.norm(out, axis=1, keepdims=True)
-        return np.asarray(np.einsum("nij,ni->nj", into, out), dtype=float)
+        return np.asarray(np.einsum("inj,ni->nj", into, out), dtype=float)
 
 
 def _side(p: Array, d: Array) -> Array:
@@ -255,22 +256,54 @@ def _side(p: Array, d: Array) -> Array:
     return out
 
 
+def _slab(o: Array, d: Array, half: Array) -> tuple[Array, Array]:
+    """Where rays are between two planes across an axis, by their components along it."""
+    inverse = 1 / d
+    middle = -o * inverse
+    np.abs(inverse, out=inverse)
+    inverse *= half
+    return middle - inverse, middle + inverse
+
+
+def _box(o: Array, d: Array, half: Array) -> tuple[Array, Array]:
+    near, far = _slab(o, d, half)
+    return (
+        np.maximum(np.maximum(near[0], near[1]), near[2]),
+        np.minimum(np.minimum(far[0], far[1]), far[2]),
+    )
+
+
 def _round(o: Array, d: Array, radius: Array) -> tuple[Array, Array]:
-    """Where rays (k, 3, n) are inside spheres about the origin: from, to (k, n)."""
-    along = -(o * d).sum(axis=1)
-    beside = o + along[:, None] * d
-    inside = radius**2 - (beside * beside).sum(axis=1)
-    return _within(along, inside)
+    """Where rays (3, k, n) are inside spheres about the origin: from, to (k, n)."""
+    along = -(o * d).sum(axis=0)
+    beside = o + along * d
+    return _within(along, radius**2 - (beside * beside).sum(axis=0))
 
 
 def _tube(o: Array, d: Array, radius: Array) -> tuple[Array, Array]:
     """The same for endless cylinders along z."""
-    (x, y), (u, v) = (o[:, 0], o[:, 1]), (d[:, 0], d[:, 1])
+    (x, y, _), (u, v, _) = o, d
     across = u * u + v * v
     beside = x * v - y * u
     return _within(-(x * u + y * v) / across, (radius**2 - beside * beside / across) / across)
 
 
 def _within(along: Array, inside: Array) -> tuple[Array, Array]:
-    half = np.sqrt(np.maximum(inside, 0.0))
-    return along - half, np.where(inside < 0, -np.inf, along + half)
+    half = np.sqrt(inside)  # no number for a ray that passes by
+    return along - half, along + half
+
+
+def _cylinder(o: Array, d: Array, radius: Array, long: Array) -> tuple[Array, Array]:
+    (near, far), (under, over) = _tube(o, d, radius), _slab(o[2], d[2], long)
+    return np.maximum(near, under), np.minimum(far, over)
+
+
+def _capsule(o: Array, d: Array, radius: Array, long: Array) -> tuple[Array, Array]:
+    parts = [_cylinder(o, d, radius, long)]
+    for end in (-long, long):
+        moved = o.copy()
+        moved[2] -= end
+        parts.append(_round(moved, d, radius))
+    # together they are convex, so where a ray is in one of them it is in one stretch
+    near = np.minimum.reduce([np.where(n <= f, n, np.inf) for n, f in parts])
+    return near, np.full(near.shape, np.inf)
