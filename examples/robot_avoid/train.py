@@ -23,7 +23,7 @@ import simcompare
 from simcompare.learning.policy import Policy
 from simcompare.scenarios.robot_avoid.task import straight_on
 
-ENVIRONMENTS, STEPS = 8, 100_000
+ENVIRONMENTS, STEPS = 8, 60_000
 HYPERPARAMETERS = {
     "n_steps": 256, "batch_size": 256, "n_epochs": 10, "learning_rate": 5e-4, "gamma": 0.98,
     "gae_lambda": 0.95, "ent_coef": 0.002,
@@ -31,7 +31,7 @@ HYPERPARAMETERS = {
 LAYERS = [64, 64]
 #: steps of each environment in which it first imitates what drives straight on, and how many times
 #: it goes through them
-IMITATED, ROUNDS = 500, 40
+IMITATED, ROUNDS = 250, 60
 #: part of the steps, at their end, in which the learning rate falls to nothing
 FALLING = 0.3
 #: engine step while it learns: after 1.5 s the robot is where it is with 1 ms, to half a millimetre
@@ -122,8 +122,7 @@ def as_policy(model, scaled, recipe):
     parts = [m for m in (*net.mlp_extractor.policy_net, net.action_net) if hasattr(m, "weight")]
     layers = [(m.weight.detach().numpy(), m.bias.detach().numpy()) for m in parts]
     deviation = np.sqrt(scaled.obs_rms.var + scaled.epsilon)
-    spread = net.log_std.detach().exp().numpy()
-    return Policy(scaled.obs_rms.mean, deviation, layers, spread, recipe)
+    return Policy(scaled.obs_rms.mean, deviation, layers, recipe)
 
 
 if __name__ == "__main__":

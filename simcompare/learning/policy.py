@@ -26,36 +26,25 @@ class Policy:
         mean: of the observations that it was learnt from (n,).
         deviation: standard deviation of them (n,).
         layers: weights (outputs, inputs) and biases (outputs,); tanh stands between them.
-        spread: standard deviation of the actions that it tried about its own while it learnt (m,).
         recipe: how it was learnt, by name.
     """
 
     mean: Array
     deviation: Array
     layers: Sequence[tuple[Array, Array]]
-    spread: Array
     recipe: Mapping[str, Any] = field(default_factory=dict)
 
-    def __call__(self, seen: Array, rng: np.random.Generator | None = None) -> Array:
-        """The action (m,) within -1 and 1 at an observation (n,).
-
-        Args:
-            seen: the observation.
-            rng: what actions about its own are drawn from, as while it learnt; ``None``: its own.
-                A robot that stands before a post, and would turn neither way, comes free by that.
-        """
+    def __call__(self, seen: Array) -> Array:
+        """The action (m,) within -1 and 1 at an observation (n,)."""
         found = np.clip((seen - self.mean) / self.deviation, -LIMIT, LIMIT)
         for weight, bias in self.layers[:-1]:
             found = np.tanh(weight @ found + bias)
         weight, bias = self.layers[-1]
-        found = weight @ found + bias
-        if rng is not None:
-            found = found + self.spread * rng.standard_normal(len(found))
-        return np.asarray(np.clip(found, -1, 1), dtype=float)
+        return np.asarray(np.clip(weight @ found + bias, -1, 1), dtype=float)
 
     def save(self, path: Path) -> None:
         """Writes it in single precision, which is what it was learnt in."""
-        arrays = {"mean": self.mean, "deviation": self.deviation, "spread": self.spread}
+        arrays = {"mean": self.mean, "deviation": self.deviation}
         for i, (weight, bias) in enumerate(self.layers):
             arrays |= {f"weight_{i}": weight, f"bias_{i}": bias}
         single: Mapping[str, Any] = {n: v.astype(np.float32) for n, v in arrays.items()}
@@ -90,7 +79,7 @@ def load(path: str | Path, observations: int, actions: int) -> Policy:
     if faults := list(_faults(held, observations, actions)):
         raise InputError(str(path), faults)
     layers = [(held[f"weight_{i}"], held[f"bias_{i}"]) for i in range(_depth(held))]
-    return Policy(held["mean"], held["deviation"], layers, held["spread"], recipe)
+    return Policy(held["mean"], held["deviation"], layers, recipe)
 
 
 def _depth(held: Mapping[str, Array]) -> int:
@@ -101,7 +90,7 @@ def _faults(held: Mapping[str, Array], observations: int, actions: int) -> Seque
     """What of the arrays of a file does not fit an environment, or each other."""
     depth = _depth(held)
     names = [part for i in range(depth) for part in (f"weight_{i}", f"bias_{i}")]
-    wanted = ("mean", "deviation", "spread", *(names or ["weight_0"]))
+    wanted = ("mean", "deviation", *(names or ["weight_0"]))
     missing = [name for name in wanted if name not in held]
     if missing:
         return [f"{', '.join(missing)}: not in the file; expected an .npz as Policy.save writes it"]
@@ -123,15 +112,8 @@ def _faults(held: Mapping[str, Array], observations: int, actions: int) -> Seque
                 f" ({outputs}, {width}) and ({outputs},): {width} is {why}; {cure}"
             )
         width, why = bias.size, f"the output of layer {i}"
-    if held["spread"].shape != (actions,):
-        found.append(
-            f"spread has shape {held['spread'].shape}; the environment takes {actions} actions;"
-            f" {cure}"
-        )
     wrong = [name for name, values in held.items() if not np.isfinite(values).all()]
     found += [f"{name}: not all numbers are finite" for name in wrong]
     if "deviation" not in wrong and not (held["deviation"] > 0).all():
         found.append("deviation: not all numbers are above 0")
-    if "spread" not in wrong and not (held["spread"] >= 0).all():
-        found.append("spread: a number is below 0")
     return found

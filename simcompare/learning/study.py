@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -81,9 +80,7 @@ def try_all(
         environment = Environment(Asked(scenario, engine, sensors=errors, step_s=step_s))
         seen, done = environment.observation_space.shape[0], environment.action_space.shape[0]
         act = policy.load(file, seen, done)
-        # it acts as it learnt; the same draws in every row
-        acting = functools.partial(act, rng=np.random.default_rng(0))
-        trials = run_trials(environment, acting, range(HELD_OUT, HELD_OUT + episodes))
+        trials = run_trials(environment, act, range(HELD_OUT, HELD_OUT + episodes))
         environment.close()
         recipe = act.recipe
         learnt_on = str(recipe.get("engine", "?")), float(recipe.get("sensors", math.nan))
