@@ -16,6 +16,8 @@ from simcompare.reports.render.styles import Style
 MAX_PANELS = 3
 #: a map that is so many times longer than wide has two scales
 _SLIM = 4.0
+#: so many cells with numbers fit side by side in letters of the usual size
+_CELLS = 18
 #: so many letters fit side by side below a panel
 _TICK_LETTERS = 50
 #: sizes whose ticks read well without a power of ten
@@ -266,6 +268,10 @@ class Figure:
     panels: tuple[Panel, ...]
     share_y: bool = False
     height: float = 1.0
+
+    def crowds(self, panel: Panel) -> bool:
+        """Whether the numbers in the cells of a panel would run into each other."""
+        return len(self.panels) * len(panel.x_ticks or ()) > _CELLS
 
     @property
     def legend(self) -> dict[str, Series]:

@@ -165,7 +165,7 @@ def draw(page: Any, figure: Figure) -> None:  # noqa: ANN401  (a Figure or a Sub
             if span.label:
                 handles.setdefault(span.label, handle)
         if panel.matrix is not None:
-            _matrix(axes, panel.matrix)
+            _matrix(axes, panel.matrix, small=figure.crowds(panel))
         for bars, handle in _stacked(axes, panel):
             handles.setdefault(bars.label, handle)
         for rank, series in enumerate(panel.series):
@@ -272,16 +272,17 @@ def _band(axes: Axes, band: Band) -> Any:  # noqa: ANN401  (a handle for the leg
     return axes.axhspan(band.low, band.high, color="#000000", alpha=0.1, linewidth=0)
 
 
-def _matrix(axes: Axes, matrix: Matrix) -> None:
+def _matrix(axes: Axes, matrix: Matrix, *, small: bool) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
     colours, (low, high) = LinearSegmentedColormap.from_list("", matrix.colours), matrix.limits
     cells = axes.imshow(matrix.values, cmap=colours, vmin=low, vmax=high, aspect="auto", zorder=2)
     if matrix.bar:
         axes.figure.colorbar(cells, ax=axes, label=plain(matrix.bar))
+    look: dict[str, Any] = {"fontsize": "x-small"} if small else {}
     for i, row in enumerate(matrix.texts):
         for k, text in enumerate(row):
-            axes.text(k, i, text, ha="center", va="center", color="#222222", zorder=3)
+            axes.text(k, i, text, ha="center", va="center", color="#222222", zorder=3, **look)
 
 
 def _stacked(axes: Axes, panel: Panel) -> Iterator[tuple[Bars, Any]]:

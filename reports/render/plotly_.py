@@ -37,8 +37,6 @@ _LOG_TICKS = "~g"
 _GRID = "#E3E3E3"
 #: more coordinates than these are written as binary numbers
 _LONG = 100
-#: so many cells with numbers stand side by side in letters of usual size
-_CELLS = 18
 
 
 @functools.cache
@@ -136,8 +134,8 @@ class _Drawing:
         for span in panel.spans:
             self._shapes.append(span_of(span, axis, self._is_new(span.label)))
         if panel.matrix is not None:
-            crowded = len(self._figure.panels) * len(panel.x_ticks or ()) > _CELLS
-            self.data.append(matrix_of(panel.matrix, axis, small=crowded))
+            small = self._figure.crowds(panel)
+            self.data.append(matrix_of(panel.matrix, axis, small=small))
         for bars in panel.bars:
             self.data.append(bars_of(bars, axis, self._is_new(bars.label), panel.lying))
         for series in panel.series:

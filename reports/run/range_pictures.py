@@ -18,7 +18,7 @@ _RANGES = ".range_m"
 
 
 def range_figures(run: Run) -> tuple[Figure, ...]:
-    """A figure for each range sensor: at the start, at the end, and where a source is most off."""
+    """A figure for each range sensor: at the start, at the end or where a source is most off."""
     first = runs.truth(run) or next((one.trajectory for one in run.trajectories), None)
     signals = () if first is None else tuple(n for n in first.signals if n.endswith(_RANGES))
     return tuple(_figure(run, first, signal) for signal in signals if first is not None)
@@ -27,11 +27,12 @@ def range_figures(run: Run) -> tuple[Figure, ...]:
 def _figure(run: Run, first: Trajectory, signal: str) -> Figure:
     pictures = first.signals[signal]
     far = float(pictures.max())
+    worst = max(_others(run, first, signal), key=lambda one: one[0], default=None)
+    last = len(pictures) - 1 if worst is None else worst[2]
     panels = [
         _panel(f"{first.source}, {first.time_s[i]:g} s", pictures[i], far)
-        for i in dict.fromkeys((0, len(pictures) - 1))
+        for i in dict.fromkeys((0, last))
     ]
-    worst = max(_others(run, first, signal), key=lambda one: one[0], default=None)
     caption = (
         "Each cell is a zone, as the sensor sees it, with its distance in m along the axis; near"
         " ones are dark."
@@ -40,9 +41,9 @@ def _figure(run: Run, first: Trajectory, signal: str) -> Figure:
         _, whose, i, picture = worst
         panels.append(_panel(f"{whose}, {first.time_s[i]:g} s", picture, far))
         caption += f" On the right, where any source is most off: {whose}."
-    last = panels[-1]
-    assert last.matrix is not None
-    panels[-1] = replace(last, matrix=replace(last.matrix, bar="distance (m)"))
+    right = panels[-1]
+    assert right.matrix is not None
+    panels[-1] = replace(right, matrix=replace(right.matrix, bar="distance (m)"))
     name = signal.removesuffix(_RANGES)
     title = f"What {name} saw"
     return Figure(f"ranges-{name}", title, caption, tuple(panels), height=1.1)
