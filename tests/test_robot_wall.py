@@ -67,7 +67,8 @@ def test_a_zone_of_a_range_sensor_and_a_motors_current_are_measured_by_their_she
     still = Trajectory("still", time_s, {name: np.full(one, 0.5) for name, one in shapes.items()})
     given = measuring.given_of(scene, plan, still, measuring.devices_of(scene, plan, 0), 0)
     seen, current = given.signals["wall_range"], given.signals["left_current"]
-    assert len(seen.time_s) == 15
+    # 15 in a second, the first one before it is measured, at 20 ms
+    assert len(seen.time_s) == 14
     # 1 % of about 0.5 m and a count of 1 mm, an rms of readings that are off by 5 % at most
     assert seen.u == pytest.approx(np.hypot(0.005, 0.001 / np.sqrt(12)), rel=0.06)
     # whole counts of 0.1 mA

@@ -51,26 +51,26 @@ def given_of(
     Raises:
         InputError: the source lacks a signal.
     """
-    trajectory = _from(trajectory, plan.start_s)
+    if np.count_nonzero(trajectory.time_s >= plan.start_s - 1e-9) < 3:
+        fault = f"start_s = {plan.start_s:g} leaves nothing of {trajectory.time_s[-1]:g} s"
+        raise InputError("estimate", [f"{fault}; expected an earlier start"])
     signals = {
-        role: _measured(scenario, devices, observed(name, scenario), trajectory, seed)
+        role: _from(
+            plan.start_s, _measured(scenario, devices, observed(name, scenario), trajectory, seed)
+        )
         for role, name in plan.signals.items()
     }
     truth = {
-        role: _true(scenario, observed(name, scenario), trajectory)
+        role: _from(plan.start_s, _true(scenario, observed(name, scenario), trajectory))
         for role, name in plan.truth.items()
     }
     return Given(signals, truth, plan.options, seed)
 
 
-def _from(trajectory: Trajectory, start_s: float) -> Trajectory:
-    """The same from a time on."""
-    kept = trajectory.time_s >= start_s - 1e-9
-    if np.count_nonzero(kept) < 3:
-        fault = f"start_s = {start_s:g} leaves nothing of {trajectory.time_s[-1]:g} s"
-        raise InputError("estimate", [f"{fault}; expected an earlier start"])
-    signals = {name: values[kept] for name, values in trajectory.signals.items()}
-    return replace(trajectory, time_s=trajectory.time_s[kept], signals=signals)
+def _from(start_s: float, signal: Signal) -> Signal:
+    """The same from a time on; a device ran before, so that its low-pass knows the past."""
+    kept = signal.time_s >= start_s - 1e-9
+    return replace(signal, time_s=signal.time_s[kept], values=signal.values[kept])
 
 
 def devices_of(scenario: Scenario, plan: EstimatePlan, seed: int) -> dict[str, Device]:
