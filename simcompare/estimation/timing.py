@@ -10,6 +10,7 @@ from simcompare.errors import InputError
 from simcompare.estimation.estimate import Signal
 from simcompare.hardware.sensors.encoder import counted_speeds, gate_uncertainty
 from simcompare.model.trajectory import Array
+from simcompare.statistics.streams import stream
 
 #: times that are nearer than this are one [s]
 SAME_S = 1e-7
@@ -49,18 +50,20 @@ def counted(counts: Signal, marks: float, gate_s: float) -> Signal:
 
 
 def turned(counts: Signal, marks: float, gate_s: float) -> Signal:
-    """Angle of a wheel since the first count, at the ends of gates [rad].
+    """Angle of a wheel since the first count, once in each gate [rad].
 
-    Each is off by what lies before and behind a mark, evenly, and so has an error of its own.
+    Each is off by what lies before and behind a mark, evenly. At a steady speed and even times that
+    repeats in a pattern; so each count is taken anywhere in its gate, and has an error of its own.
 
     Raises:
         InputError: the marks of a turn are not known, or no two gates fit in.
     """
     ends = counted(counts, marks, gate_s).time_s
-    time_s = np.concatenate(([counts.time_s[0]], ends))
-    mark_rad = 2 * np.pi / marks
-    counts_there = held(counts, time_s)
-    return Signal(time_s, mark_rad * (counts_there - counts_there[0]), mark_rad / np.sqrt(12))
+    early_s = gate_s * stream(0, "counts").uniform(size=len(ends))
+    places = np.searchsorted(counts.time_s, ends - early_s + SAME_S, side="right") - 1
+    places = np.unique(np.concatenate(([0], places)))
+    turned_rad = 2 * np.pi / marks * (counts.values[places] - counts.values[0])
+    return Signal(counts.time_s[places], turned_rad, 2 * np.pi / marks / np.sqrt(12))
 
 
 def held(counts: Signal, time_s: Array) -> Array:
