@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,9 +16,11 @@ from simcompare.estimation.estimate import Given, Signal
 from simcompare.estimation.pose_model import (
     HEADING,
     LEFT,
+    LEFT_MOTOR,
     PUSH,
     RATE,
     RIGHT,
+    RIGHT_MOTOR,
     SPEED,
     TURN,
     Ranger,
@@ -29,21 +32,21 @@ from simcompare.statistics.streams import stream
 #: the robot of the catalogue: η·N·k/(R·r) and η·N²·(k²/R + b)/r² of one motor
 ROBOT = Robot(0.0325, 0.12, 0.782691, 2.5e-3, 0.4738, 4.00178, 0.5, 0.0108, 0.1, 10.0)
 STATES = [
-    np.array([0.3, -0.2, 0.7, 0.15, -0.9, 0.2, -1.0, 0.1, 0.2]),
-    np.array([0.0, 0.0, -2.9, -0.3, 2.0, -0.5, 3.0, -0.1, 0.3]),
-    np.array([1.0, 2.0, 0.1, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0]),
+    np.array([0.3, -0.2, 0.7, 0.15, -0.9, 0.2, -1.0, 0.1, 0.2, 0.05, -0.1]),
+    np.array([0.0, 0.0, -2.9, -0.3, 2.0, -0.5, 3.0, -0.1, 0.3, -0.02, 0.1]),
+    np.array([1.0, 2.0, 0.1, 0.4, *7 * [0.0]]),
 ]
 
 
 def differences(function, state, size):
     """Central differences; each step is small beside the state and large beside rounding."""
     columns = []
-    for i in range(9):
-        step = np.zeros(9)
+    for i in range(pose_model.STATES):
+        step = np.zeros(pose_model.STATES)
         step[i] = 1e-6
         high, low = (np.atleast_1d(function(state + sign * step)) for sign in (1, -1))
         columns.append((high - low) / 2e-6)
-    return np.array(columns).T.reshape(size, 9)
+    return np.array(columns).T.reshape(size, pose_model.STATES)
 
 
 #: rounding 1e-16 over a step of 1e-6, and its square times third derivatives of up to 100
@@ -54,7 +57,9 @@ CLOSE = {"abs": 2e-8, "rel": 1e-7}
 @pytest.mark.parametrize("step_s", [0.001, 0.128])
 def test_the_motion_is_differentiated_rightly(state, step_s):
     found = pose_model.move(ROBOT, state, step_s, 1.0, 2.5).transition
-    by_steps = differences(lambda one: pose_model.move(ROBOT, one, step_s, 1.0, 2.5).mean, state, 9)
+    by_steps = differences(
+        lambda one: pose_model.move(ROBOT, one, step_s, 1.0, 2.5).mean, state, 11
+    )
     assert found == pytest.approx(by_steps, **CLOSE)
 
 
@@ -62,10 +67,10 @@ def test_the_motion_begins_as_the_equations_say():
     state = STATES[0]
     theta, v, w = state[HEADING], state[SPEED], state[RATE]
     step_s = 1e-7
-    rows = (pose_model.move(ROBOT, state, step_s, 1.0, 2.5).transition - np.eye(9)) / step_s
+    rows = (pose_model.move(ROBOT, state, step_s, 1.0, 2.5).transition - np.eye(11)) / step_s
     back = ROBOT.load_behind_kg_m / ROBOT.inertia_kg
     turned = ROBOT.load_behind_kg_m / ROBOT.turning_inertia_kg_m2
-    known = np.zeros((9, 9))
+    known = np.zeros((11, 11))
     known[0, 2], known[0, 3] = -v * math.sin(theta), math.cos(theta)
     known[1, 2], known[1, 3] = v * math.cos(theta), math.sin(theta)
     known[2, 4] = 1.0
@@ -74,6 +79,12 @@ def test_the_motion_begins_as_the_equations_say():
     known[4, 4] = -ROBOT.damping_N_s_m * ROBOT.track_m**2 / (2 * ROBOT.turning_inertia_kg_m2)
     known[4, 4] += turned * v
     known[4, 3], known[4, TURN] = turned * w, 1.0
+    for motor, sign, given in ((LEFT_MOTOR, -1, 1.0), (RIGHT_MOTOR, 1, 2.5)):
+        force = ROBOT.drive * given - ROBOT.damping_N_s_m * (v + sign * 0.06 * w)
+        known[3:5, motor] = force / ROBOT.inertia_kg, sign * 0.06 * force / 2.5e-3
+        slowed = state[motor] * ROBOT.damping_N_s_m
+        known[3, [3, 4]] -= slowed / ROBOT.inertia_kg * np.array([1, sign * 0.06])
+        known[4, [3, 4]] -= sign * 0.06 * slowed / 2.5e-3 * np.array([1, sign * 0.06])
     known[LEFT, [3, 4]], known[RIGHT, [3, 4]] = (1.0, -0.06), (1.0, 0.06)
     # λ²·T/2 of the exponential, T = 1e-7 and λ = 12/s, and rounding 1e-16/T
     assert rows == pytest.approx(known, abs=2e-5)
@@ -101,7 +112,7 @@ def test_ranges_are_differentiated_rightly(state):
 
 
 def test_a_range_to_a_wall_is_how_far_the_beam_goes():
-    state = np.array([0.5, *8 * [0.0]])
+    state = np.array([0.5, *10 * [0.0]])
     found, _ = pose_model.range_to_wall(Ranger(0.1, 0.0, math.pi / 3), state, 0.0, 1.0)
     assert found == pytest.approx(0.4 / math.cos(math.pi / 3))
 
@@ -109,17 +120,17 @@ def test_a_range_to_a_wall_is_how_far_the_beam_goes():
 def test_a_zone_tells_how_far_the_wall_is_along_the_axis_of_its_sensor():
     """D·cos ψ/(cos ψ + tan az·sin ψ), the wall at D along the axis, which is turned by -ψ."""
     turned, zone = 0.3, math.radians(2.8125)
-    state = np.array([0.0, 0.0, -turned, *6 * [0.0]])
+    state = np.array([0.0, 0.0, -turned, *8 * [0.0]])
     found, _ = pose_model.range_to_wall(Ranger(zone_rad=zone), state, 0.0, 1.0)
     along = 1.0 / math.cos(turned)
     known = along * math.cos(turned) / (math.cos(turned) + math.tan(zone) * math.sin(turned))
     assert found == pytest.approx(known, rel=1e-12)
-    across, _ = pose_model.range_to_wall(Ranger(zone_rad=zone), np.zeros(9), 0.0, 1.0)
+    across, _ = pose_model.range_to_wall(Ranger(zone_rad=zone), np.zeros(11), 0.0, 1.0)
     assert across == pytest.approx(1.0, rel=1e-12)
 
 
 def test_a_motor_speeds_a_robot_up_as_its_closed_form_says():
-    state = np.zeros(9)
+    state = np.zeros(11)
     for _ in range(50):
         state = pose_model.move(ROBOT, state, 0.01, 2.0, 2.0).mean
     push = (2 * 2 * ROBOT.drive - ROBOT.friction_N) / ROBOT.inertia_kg
@@ -167,7 +178,7 @@ FORWARD = np.ix_((X, SPEED, PUSH), (X, SPEED, PUSH))
 def test_damping_is_in_the_noise_of_the_motion():
     """Against van Loan's exponential of a block matrix, at λ = 6.7/s and 50 ms."""
     robot = Robot(0.0325, 0.12, 1.0, 1.0, damping_N_s_m=3.35, jerk_density_m2_s5=0.1)
-    state = np.array([0.0, 0.0, 0.0, 0.1, *5 * [0.0]])
+    state = np.array([0.0, 0.0, 0.0, 0.1, *7 * [0.0]])
     found = pose_model.move(robot, state, 0.05, 0.0, 0.0).noise[FORWARD]
     drift = np.array([[0.0, 1.0, 0.0], [0.0, -6.7, 1.0], [0.0, 0.0, 0.0]])
     block = expm(0.05 * np.block([[-drift, np.diag([0, 0, 0.1])], [np.zeros((3, 3)), drift.T]]))
@@ -177,7 +188,7 @@ def test_damping_is_in_the_noise_of_the_motion():
 def test_without_damping_the_noise_is_the_textbooks():
     robot = Robot(0.0325, 0.12, jerk_density_m2_s5=0.1)
     t = 0.05
-    found = pose_model.move(robot, np.zeros(9), t, 0.0, 0.0).noise[FORWARD]
+    found = pose_model.move(robot, np.zeros(11), t, 0.0, 0.0).noise[FORWARD]
     known = [
         [t**5 / 20, t**4 / 8, t**3 / 6], [t**4 / 8, t**3 / 3, t**2 / 2], [t**3 / 6, t**2 / 2, t]
     ]  # fmt: skip
@@ -185,17 +196,17 @@ def test_without_damping_the_noise_is_the_textbooks():
 
 
 def test_friction_alone_moves_nothing():
-    state = pose_model.move(ROBOT, np.zeros(9), 0.01, 0.2, 0.2).mean
-    assert state == pytest.approx(np.zeros(9), abs=0)
+    state = pose_model.move(ROBOT, np.zeros(11), 0.01, 0.2, 0.2).mean
+    assert state == pytest.approx(np.zeros(11), abs=0)
 
 
 def test_a_load_behind_the_axle_pushes_into_the_curve_as_newton_says():
     """Against DOP853 of the equations in the model's heading, a second in steps of 10 ms."""
-    state = np.array([0.0, 0.0, 0.0, 0.15, 0.5, *4 * [0.0]])
+    state = np.array([0.0, 0.0, 0.0, 0.15, 0.5, *6 * [0.0]])
     inputs = (2.0, 2.2)
 
     def motion(_, s):
-        grown, _ = pose_model.accelerations(ROBOT, np.append(s, 4 * [0.0]), *inputs)
+        grown, _ = pose_model.accelerations(ROBOT, np.append(s, 6 * [0.0]), *inputs)
         return [s[3] * math.cos(s[2]), s[3] * math.sin(s[2]), s[4], *grown]
 
     known = solve_ivp(motion, (0, 1), state[:5], "DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
@@ -221,7 +232,7 @@ AHEAD_M, BIAS_M_S2 = 0.03, 0.4
 BEACON = np.array([1.0, 0.8])
 
 
-def driven(run, *, spoilt=False, felt=False):
+def driven(run, *, spoilt=False, felt=False, u_motor=0.0, robot=ROBOT):
     """A run whose truth is as the filter's model says, with white noise of known size."""
     generator = stream(3, "extended", run)
     time_s = STEP_S * np.arange(COUNT)
@@ -230,26 +241,27 @@ def driven(run, *, spoilt=False, felt=False):
     names += ["u_start_rate_rad_s", "u_push_m_s2", "u_turn_rad_s2"]
     start_u = [OPTIONS[name] for name in names]
     # the robot drives already, so that its friction does not change sides
-    state = np.append(start_u * generator.standard_normal(7), [0.0, 0.0])
+    parts = u_motor * stream(4, "motors", run).standard_normal(2)
+    state = np.concatenate([start_u * generator.standard_normal(7), [0.0, 0.0], parts])
     state[SPEED] = abs(state[SPEED])
     states, wheels, ranges = [], [], []
     for number in range(COUNT):
         if number:
             both = inputs[number - 1 : number + 1].mean(axis=0)
-            moved = pose_model.move(ROBOT, state, STEP_S, *both)
-            # of the noise, rank 6 of 9: by its eigenvectors
+            moved = pose_model.move(robot, state, STEP_S, *both)
+            # of the noise, rank 6 of 11: by its eigenvectors
             values, vectors = np.linalg.eigh(moved.noise)
-            shake = vectors @ (np.sqrt(np.clip(values, 0, None)) * generator.standard_normal(9))
+            shake = vectors @ (np.sqrt(np.clip(values, 0, None)) * generator.standard_normal(11))
             state = moved.mean + shake
         states.append(state)
-        rates, _ = pose_model.wheel_rates(ROBOT, state)
+        rates, _ = pose_model.wheel_rates(robot, state)
         wheels.append(rates + U["wheel"] * generator.standard_normal(2))
         distance, _ = pose_model.range_to_beacon(Ranger(), state, BEACON)
         ranges.append(distance + U["range"] * generator.standard_normal())
     truth, wheels, ranges = np.array(states), np.array(wheels), np.array(ranges)
     gyroscope = truth[:, RATE] + U["gyroscope"] * generator.standard_normal(COUNT)
     every = zip(truth, inputs, strict=True)
-    grown = np.array([pose_model.accelerations(ROBOT, one, *both)[0][0] for one, both in every])
+    grown = np.array([pose_model.accelerations(robot, one, *both)[0][0] for one, both in every])
     if spoilt:
         ranges[40] += 2.0
     signals = {
@@ -287,6 +299,30 @@ def test_the_extended_filter_is_consistent_on_a_truth_that_it_knows(runs):
         np.array([one.innovations.used for one in runs]),
     )
     assert nis.outcome == "consistent", nis
+
+
+def test_motors_that_are_not_as_told_are_states_and_without_them_the_filter_is_too_sure():
+    """5 % of each motor, and engines that are late by 5 ms of a motion that settles in 98 ms."""
+    robot = replace(
+        ROBOT,
+        jerk_density_m2_s5=1e-4,
+        turn_jerk_density_rad2_s5=1e-3,
+        lag_s=0.005,
+        settling_s=0.098,
+    )
+    given = [driven(run, u_motor=0.05, robot=robot) for run in range(60)]
+    estimator = estimators.load("pose_filter")
+    told = {
+        "jerk_density_m2_s5": 1e-4, "turn_jerk_density_rad2_s5": 1e-3, "lag_s": 0.005,
+        "settling_s": 0.098,
+    }  # fmt: skip
+    found = {}
+    for u_motor in (0.05, 1e-9):
+        options = {**OPTIONS, **told, "u_motor": u_motor}
+        runs = [estimators.apply(estimator, Given(g.signals, g.truth, options)) for g in given]
+        found[u_motor] = consistency.nees(np.array([one.innovations.nees for one in runs]), 6)
+    assert found[0.05].outcome == "consistent", found
+    assert found[1e-9].outcome in ("too sure", "diverged"), found
 
 
 def test_an_accelerometer_helps_and_the_filter_still_knows_its_error(runs):

@@ -9,6 +9,7 @@ keep what they gain; the density of jerk must then allow for what changes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -18,10 +19,20 @@ from simcompare.errors import InputError
 from simcompare.estimation import consistency, kalman, pose_model, timing
 from simcompare.estimation.estimate import Estimate, Given, Signal, State, Way
 from simcompare.estimation.kalman import Belief, Expected, Filtered, Motion
-from simcompare.estimation.pose_model import HEADING, LEFT, RATE, RIGHT, STATES, Ranger, Robot
-from simcompare.estimation.pose_roles import ERRORS, LABELS, OPTIONS, SIGNALS, TITLE, TRUTHS
+from simcompare.estimation.pose_model import (
+    LEFT,
+    LEFT_MOTOR,
+    RATE,
+    RIGHT,
+    RIGHT_MOTOR,
+    STATES,
+    Ranger,
+    Robot,
+)
+from simcompare.estimation.pose_roles import ERRORS, FIRST, LABELS, OPTIONS, SIGNALS, TITLE, TRUTHS
 from simcompare.estimation.smoother import smooth
 from simcompare.hardware.sensors import odometer
+from simcompare.measures.heading import wrapped
 from simcompare.model.trajectory import Array
 
 __all__ = ["LABELS", "OPTIONS", "SIGNALS", "TITLE", "TRUTHS", "estimate"]
@@ -94,6 +105,7 @@ def _robot(given: Given, kind: str) -> Robot:
         o["radius_m"], o["track_m"], o["inertia_kg"], o["turning_inertia_kg_m2"], drive,
         damping.get(kind, 0.0), o["friction_N"] if kind else 0.0, o["load_behind_kg_m"],
         o["jerk_density_m2_s5"], o["turn_jerk_density_rad2_s5"],
+        o["lag_s"], o["settling_s"],
     )  # fmt: skip
 
 
@@ -126,12 +138,15 @@ def _inputs(given: Given, time_s: Array) -> tuple[str, Array]:
 def _filtered(setting: _Setting) -> Filtered:
     o, time_s, readings = setting.given.options, setting.time_s, setting.readings
     start = np.zeros(STATES + len(setting.errors))
-    start[: HEADING + 1] = o["start_x_m"], o["start_y_m"], o["start_heading_rad"]
+    start[: RATE + 1] = [o[name] for name in FIRST]
+    start[[LEFT_MOTOR, RIGHT_MOTOR]] = o["left_motor"], o["right_motor"]
+    begin, _ = pose_model.accelerations(setting.robot, start[:STATES], *setting.inputs[0])
+    push, turn = np.hypot([o["u_push_m_s2"], o["u_turn_rad_s2"]], setting.robot.off_by * begin)
     rolled_m = _BEFORE * 2 * np.pi * o["radius_m"] / max(o["marks"], 1.0)
     u = [o["u_start_m"]] * 2 + [
         o["u_start_heading_rad"], o["u_start_speed_m_s"], o["u_start_rate_rad_s"],
-        o["u_push_m_s2"], o["u_turn_rad_s2"], rolled_m, rolled_m,
-    ]  # fmt: skip
+        push, turn, rolled_m, rolled_m,
+    ] + [math.hypot(o["u_motor"], o["u_input"])] * 2  # fmt: skip
     u += [o[ERRORS[name].u] for name in setting.errors]
     noise = np.diag([timing.variance_of(one, name) for name, one in readings.items()])
 
@@ -187,7 +202,7 @@ def _expected(setting: _Setting, state: Array, number: int, noise: Array) -> Exp
 
 
 def _ideal(setting: _Setting, state: Array, number: int, role: str) -> tuple[float, Array]:
-    """What a sensor without error should read, and its derivatives (9,)."""
+    """What a sensor without error should read, and its derivatives (11,)."""
     robot, o, one = setting.robot, setting.given.options, np.eye(STATES)
     if role in _MARKS:
         return state[_MARKS[role]] / robot.radius_m, one[_MARKS[role]] / robot.radius_m
@@ -209,7 +224,7 @@ def _ideal(setting: _Setting, state: Array, number: int, role: str) -> tuple[flo
 def _told(setting: _Setting, means: Array, covariances: Array) -> tuple[Array, Array]:
     """What is told: accelerations in place of what motors do not explain, and no rolled ways."""
     count = means.shape[1]
-    kept = [i for i in range(count) if i not in (LEFT, RIGHT)]
+    kept = [i for i in range(count) if i not in (LEFT, RIGHT, LEFT_MOTOR, RIGHT_MOTOR)]
     told, spread = means[:, kept].copy(), np.empty((len(means), len(kept), len(kept)))
     for i, mean in enumerate(means):
         slopes = np.eye(count)[kept]
@@ -246,13 +261,7 @@ def _way(setting: _Setting, name: str, time_s: Array, means: Array, spread: Arra
     names = [*list(LABELS)[:7], *setting.errors][: means.shape[1]]
     truths = _truths(setting.given, time_s)
     if over_s := setting.given.options["truth_over_s"]:
-        before, after = (_truths(setting.given, time_s + way * over_s) for way in (-0.5, 0.5))
-        for grown, of in (
-            ("acceleration_m_s2", "speed_m_s"),
-            ("turn_acceleration_rad_s2", "rate_rad_s"),
-        ):
-            if of in truths:
-                truths[grown] = (after[of] - before[of]) / over_s
+        truths |= _changes(setting.given, time_s, over_s / 2)
     states = {
         state: State(
             means[:, i], None if u is None else u[:, i], truths.get(state),
@@ -261,6 +270,34 @@ def _way(setting: _Setting, name: str, time_s: Array, means: Array, spread: Arra
         for i, state in enumerate(names)
     }  # fmt: skip
     return Way(name, time_s, states)
+
+
+def _changes(given: Given, time_s: Array, half_s: float) -> dict[str, Array]:
+    """What the true place and heading tell of speeds and accelerations, as far as they are known.
+
+    The way is that along the heading between two times. Speeds are changes over one half of the
+    time, accelerations the differences of those over both.
+    """
+    before, early, now, late, after = (
+        _truths(given, time_s + share * half_s) for share in (-1, -0.5, 0, 0.5, 1)
+    )
+
+    def turned(one: dict[str, Array], other: dict[str, Array]) -> Array:
+        return wrapped(other["heading_rad"] - one["heading_rad"])
+
+    def way(one: dict[str, Array], other: dict[str, Array]) -> Array:
+        along = one["heading_rad"] + turned(one, other) / 2
+        east, north = (other[name] - one[name] for name in ("x_m", "y_m"))
+        return np.asarray(np.cos(along) * east + np.sin(along) * north)
+
+    found = {}
+    if "heading_rad" in now:
+        found["rate_rad_s"] = turned(early, late) / half_s
+        found["turn_acceleration_rad_s2"] = (turned(now, after) - turned(before, now)) / half_s**2
+    if {"x_m", "y_m", "heading_rad"} <= set(now):
+        found["speed_m_s"] = way(early, late) / half_s
+        found["acceleration_m_s2"] = (way(now, after) - way(before, now)) / half_s**2
+    return found
 
 
 def _truths(given: Given, time_s: Array) -> dict[str, Array]:

@@ -10,7 +10,8 @@ both are braked in proportion to the speed. With λ = damping/inertia
 
 What changes p and q is white jerk. κ and κ' are those of a load behind the axle, which pushes a
 robot further into its curve (Newton and Euler in the plane, for wheels that roll). Two more states
-are the ways that the wheels have rolled, v - ω·W/2 and v + ω·W/2 summed up.
+are the ways that the wheels have rolled, v - ω·W/2 and v + ω·W/2 summed up. The last two are the
+parts by which each motor is stronger than told: they stay as they are, so they are no jerk.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ from simcompare.estimation.kalman import Motion
 from simcompare.model.trajectory import Array
 
 #: places of the states
-X, Y, HEADING, SPEED, RATE, PUSH, TURN, LEFT, RIGHT = range(9)
+X, Y, HEADING, SPEED, RATE, PUSH, TURN, LEFT, RIGHT, LEFT_MOTOR, RIGHT_MOTOR = range(11)
 #: how many there are
-STATES = 9
+STATES = 11
 #: of a robot that is slower no sensor tells which way it goes: friction is against the motors [m/s]
 _RESTS_M_S = 0.01
 #: λ·T below which a motion is not damped
@@ -48,6 +49,9 @@ class Robot:
         load_behind_kg_m: mass times how far its centre lies behind the axle.
         jerk_density_m2_s5: density of what changes p.
         turn_jerk_density_rad2_s5: the same of q.
+        lag_s: time by which the accelerations may be early or late.
+        settling_s: time in which the motion settles. What is early or late by lag_s is off by
+            lag_s/settling_s of itself, and that changes as the motion settles.
     """
 
     radius_m: float
@@ -60,6 +64,8 @@ class Robot:
     load_behind_kg_m: float = 0.0
     jerk_density_m2_s5: float = 0.0
     turn_jerk_density_rad2_s5: float = 0.0
+    lag_s: float = 0.0
+    settling_s: float = 1.0
 
     @property
     def decay_1_s(self) -> float:
@@ -70,6 +76,11 @@ class Robot:
     def turn_decay_1_s(self) -> float:
         """λ' of the turning rate."""
         return self.damping_N_s_m * self.track_m**2 / (2 * self.turning_inertia_kg_m2)
+
+    @property
+    def off_by(self) -> float:
+        """Part of the accelerations by which they may be off."""
+        return self.lag_s / self.settling_s
 
     def push_m_s2(self, speed_m_s: float, left: float, right: float) -> float:
         """g: acceleration by both motors less friction, which never drives."""
@@ -84,7 +95,7 @@ class Robot:
 
 
 def accelerations(robot: Robot, mean: Array, left: float, right: float) -> tuple[Array, Array]:
-    """dv/dt and dω/dt (2,) at given inputs, and their derivatives (2, 9)."""
+    """dv/dt and dω/dt (2,) at given inputs, and their derivatives (2, 11)."""
     speed, rate = mean[SPEED], mean[RATE]
     back = robot.load_behind_kg_m / robot.inertia_kg
     turned = robot.load_behind_kg_m / robot.turning_inertia_kg_m2
@@ -93,7 +104,17 @@ def accelerations(robot: Robot, mean: Array, left: float, right: float) -> tuple
     slopes = np.zeros((2, STATES))
     slopes[0, [SPEED, RATE, PUSH]] = -robot.decay_1_s, -2 * back * rate, 1.0
     slopes[1, [SPEED, RATE, TURN]] = turned * rate, turned * speed - robot.turn_decay_1_s, 1.0
-    return np.array([forward + mean[PUSH], turning + mean[TURN]]), slopes
+    found = np.array([forward + mean[PUSH], turning + mean[TURN]])
+    for motor, given, arm in zip(
+        (LEFT_MOTOR, RIGHT_MOTOR), (left, right), np.array([-1, 1]) * robot.track_m / 2, strict=True
+    ):
+        acts = np.array([1 / robot.inertia_kg, arm / robot.turning_inertia_kg_m2])
+        force = robot.drive * given - robot.damping_N_s_m * (speed + arm * rate)
+        found += mean[motor] * force * acts
+        slopes[:, motor] = force * acts
+        slopes[:, SPEED] -= mean[motor] * robot.damping_N_s_m * acts
+        slopes[:, RATE] -= mean[motor] * robot.damping_N_s_m * arm * acts
+    return found, slopes
 
 
 def move(robot: Robot, mean: Array, step_s: float, left: float, right: float) -> Motion:
@@ -122,7 +143,7 @@ def move(robot: Robot, mean: Array, step_s: float, left: float, right: float) ->
     after[[SPEED, RATE]], transition[[SPEED, RATE]] = speeds, rows
     after[[LEFT, RIGHT]] += way + side * turned
     transition[[LEFT, RIGHT]] += way_row + np.outer(side, turned_row)
-    return Motion(after, transition, _noise(robot, step_s, along))
+    return Motion(after, transition, _noise(robot, step_s, along, now))
 
 
 #: places and weights between 0 and 1 at which integrals over a step are taken (Gauss and Legendre)
@@ -130,15 +151,16 @@ _PLACES, _WEIGHTS = (both / 2 for both in np.polynomial.legendre.leggauss(12))
 _PLACES = _PLACES + 0.5
 
 
-def _noise(robot: Robot, step_s: float, along: Array) -> Array:
-    """Q of white jerk, along the heading and about the vertical."""
+def _noise(robot: Robot, step_s: float, along: Array, now: Array) -> Array:
+    """Q of white jerk, along the heading and about the vertical, at accelerations now (2,)."""
     forward, turning = np.zeros((STATES, 3)), np.zeros((STATES, 3))
     forward[[X, Y], 0], forward[[LEFT, RIGHT], 0] = along, 1.0
     forward[SPEED, 1] = forward[PUSH, 2] = 1.0
     turning[HEADING, 0] = turning[RATE, 1] = turning[TURN, 2] = 1.0
     turning[[LEFT, RIGHT], 0] = np.array([-1.0, 1.0]) * robot.track_m / 2
-    shaken = robot.jerk_density_m2_s5 * _shaken(robot.decay_1_s, step_s)
-    turned = robot.turn_jerk_density_rad2_s5 * _shaken(robot.turn_decay_1_s, step_s)
+    late = np.square(robot.off_by * now) / robot.settling_s
+    shaken = (robot.jerk_density_m2_s5 + late[0]) * _shaken(robot.decay_1_s, step_s)
+    turned = (robot.turn_jerk_density_rad2_s5 + late[1]) * _shaken(robot.turn_decay_1_s, step_s)
     return np.asarray(forward @ shaken @ forward.T + turning @ turned @ turning.T)
 
 
@@ -159,7 +181,7 @@ def _shaken(decay: float, step_s: float) -> Array:
 
 
 def wheel_rates(robot: Robot, mean: Array) -> tuple[Array, Array]:
-    """Rates of the left and the right wheel (2,) and their derivatives (2, 9)."""
+    """Rates of the left and the right wheel (2,) and their derivatives (2, 11)."""
     slopes = np.zeros((2, STATES))
     slopes[:, SPEED] = 1 / robot.radius_m
     slopes[:, RATE] = np.array([-1.0, 1.0]) * robot.track_m / 2 / robot.radius_m
@@ -189,7 +211,7 @@ class Ranger:
 
 
 def range_to_beacon(ranger: Ranger, mean: Array, beacon_m: Array) -> tuple[float, Array]:
-    """Distance to a beacon, and its derivatives (9,)."""
+    """Distance to a beacon, and its derivatives (11,)."""
     place, turned = ranger.place(mean)
     away = place - beacon_m
     distance = float(np.hypot(*away)) or 1e-12
@@ -202,7 +224,7 @@ def range_to_beacon(ranger: Ranger, mean: Array, beacon_m: Array) -> tuple[float
 def range_to_wall(
     ranger: Ranger, mean: Array, normal_rad: float, wall_m: float
 ) -> tuple[float, Array]:
-    """What is told of the beam's end on the wall n·p = d, and its derivatives (9,).
+    """What is told of the beam's end on the wall n·p = d, and its derivatives (11,).
 
     Args:
         ranger: the sensor.

@@ -30,6 +30,25 @@ START = {
     "start_y_m": Option("where it starts along y", 0.0, -FAR),
     "start_heading_rad": Option("its heading there", 0.0, -FAR),
 }
+#: in the order of the states
+FIRST = {
+    **START,
+    "start_speed_m_s": Option("its speed there", 0.0, -FAR),
+    "start_rate_rad_s": Option("its turning rate there", 0.0, -FAR),
+}
+_U_START = dict(
+    zip(
+        FIRST,
+        (
+            "u_start_m",
+            "u_start_m",
+            "u_start_heading_rad",
+            "u_start_speed_m_s",
+            "u_start_rate_rad_s",
+        ),
+        strict=True,
+    )
+)
 SIGNALS = {
     **WHEELS,
     "turning_rate": Role("reading of the gyroscope about the vertical", "rad/s", needed=False),
@@ -63,6 +82,12 @@ OPTIONS = {
     "damping_N_s_m": Option("what one motor brakes at a given voltage", 0.0),
     "drive_N_A": Option("force of one motor for an ampere", 0.0),
     "current_damping_N_s_m": Option("what one motor brakes at a given current", 0.0),
+    "left_motor": Option(
+        "part by which the left motor is stronger than told", 0.0, -0.5, 0.5, u="u_motor"
+    ),
+    "right_motor": Option("the same of the right motor", 0.0, -0.5, 0.5, u="u_motor"),
+    "u_motor": Option("standard uncertainty of these parts", 1e-9, 1e-9, 0.5),
+    "u_input": Option("the same of the sensors that read voltages or currents", 0.0, 0.0, 0.5),
     "friction_N": Option("friction of rolling and motors", 0.0),
     "load_behind_kg_m": Option("mass, times how far its centre lies behind the axle", 0.0, -FAR),
     "jerk_density_m2_s5": Option(
@@ -71,10 +96,9 @@ OPTIONS = {
     "turn_jerk_density_rad2_s5": Option(
         "density of what changes unknown angular accelerations", 10.0, 1e-12, loosens=True
     ),
-    **{
-        name: replace(one, u="u_start_heading_rad" if "heading" in name else "u_start_m")
-        for name, one in START.items()
-    },
+    "lag_s": Option("time by which accelerations may be earlier or later than the model's", 0.0),
+    "settling_s": Option("time in which the motion settles", 1.0, 1e-6),
+    **{name: replace(one, u=_U_START[name]) for name, one in FIRST.items()},
     "u_start_m": Option("standard uncertainty of that place", 0.001, 1e-9),
     "u_start_heading_rad": Option("standard uncertainty of that heading", 0.001, 1e-9),
     "u_start_speed_m_s": Option("standard uncertainty of the speed there", 0.1, 1e-9),
@@ -89,7 +113,8 @@ OPTIONS = {
     "wall_m": Option("distance of the wall from the origin", 0.0, -FAR),
     "mark_ahead_m": Option("how far ahead of the axle the true place was taken", 0.0, -FAR),
     "truth_over_s": Option(
-        "accelerations are judged by changes of the true speed and rate over this time; 0: not so",
+        "speeds are judged by how place and heading change in half of this time, accelerations by"
+        " how that differs between its halves; 0: by what is told",
         0.0,
     ),
     "imu_late_s": Option("by how much accelerometer and gyroscope are late", 0.0, 0.0, 1.0),
