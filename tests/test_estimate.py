@@ -90,13 +90,13 @@ def test_a_bias_that_is_no_state_makes_the_filter_diverge_and_the_cure_is_said()
 
 @needs_mujoco
 def test_a_motion_that_is_taken_for_too_smooth_surprises_the_filter():
-    smooth = {"jerk_density_m2_s5": 0.01}
+    smooth = {"settling_s": 0, "jerk_density_m2_s5": 0.01}
     found = simcompare.estimate(SCENARIO, engine="mujoco", draws=8, options=smooth)
     assert found.done[0].nis.outcome in ("too sure", "diverged")
     text = "\n".join(found.sentences)
     assert "surprise it: NIS" in text or "errs more than it says" in text
-    command = f"estimate {SCENARIO} --engine mujoco --draws 8 --option jerk_density_m2_s5=0.1"
-    assert f"Let the motion differ more from the model: simcompare {command}" in text
+    cure = text.partition("Let the motion differ more from the model: ")[2].partition("\n")[0]
+    assert {"settling_s=0", "jerk_density_m2_s5=0.1"} < set(cure.split())
 
 
 @needs_mujoco
@@ -104,8 +104,9 @@ def test_the_same_seed_draws_the_same_and_another_one_others(found):
     # the first draw is the same, however many there are
     again = simcompare.estimate(SCENARIO, engine="mujoco", draws=1)
     other = simcompare.estimate(SCENARIO, engine="mujoco", draws=1, seed=1)
-    assert again.done[0].curves == found.done[0].curves
-    assert other.done[0].curves != found.done[0].curves
+    # as text: where no truth is known stands NaN, which is not equal to itself
+    assert repr(again.done[0].curves) == repr(found.done[0].curves)
+    assert repr(other.done[0].curves) != repr(found.done[0].curves)
 
 
 @needs_mujoco
