@@ -12,6 +12,7 @@ another, mirrors, motion within a frame, and what a shaded sensor does below 2 c
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -76,7 +77,7 @@ class Frames:
     @property
     def valid(self) -> Flags:
         """Where half or more can be trusted (n, z)."""
-        return np.isin(self.status, TRUSTED)
+        return np.asarray(np.logical_or.reduce([self.status == code for code in TRUSTED]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,27 +150,29 @@ class Multizone:
 
     def _targets(self, view: View) -> tuple[Array, Array, Array, Array]:
         """Distance, signal and spread of each target (n, z, 4), and the background (n, z, 1)."""
-        rays = self.rays(round(view.distance_m.shape[-1] ** 0.5))
+        _, zones, count = view.distance_m.shape
         order = np.argsort(view.distance_m, axis=2)
-        along, cosine, rho, long = (
-            np.take_along_axis(part, order, axis=2)
-            for part in (view.distance_m, view.cosine, view.reflectance,
-                         np.broadcast_to(np.linalg.norm(rays, axis=2), view.distance_m.shape))
-        )  # fmt: skip
+        first = count * np.arange(zones)[:, None]
+        long = _lengths(self.zones, self.geometry, round(count**0.5)).take(order + first)
+        order += first + zones * count * np.arange(len(order))[:, None, None]
+        along, cosine, rho = (
+            part.take(order) for part in (view.distance_m, view.cosine, view.reflectance)
+        )
         met = np.isfinite(along)
         along = np.where(met, np.maximum(along, 1e-6), 0.0)
         back = np.where(met, rho * cosine / np.where(met, along * long, 1.0) ** 2, 0.0)
-        back /= along.shape[2]
-        gap = np.diff(along, axis=2, prepend=along[..., :1]) > self.numbers.separation_m
-        which, found = np.cumsum(gap & met, axis=2), []
-        for number in range(int(self.numbers.targets)):
-            own = np.where(which == number, back, 0.0)
-            signal = own.sum(axis=2)
-            whole = np.where(signal > 0, signal, 1.0)
-            mean = (own * along).sum(axis=2) / whole
-            spread = np.sqrt((own * (along - mean[..., None]) ** 2).sum(axis=2) / whole)
-            found.append((mean, signal, spread))
-        distance, signal, spread = (np.stack(part, axis=2) for part in zip(*found, strict=True))
+        back /= count
+        gap = np.zeros(along.shape, dtype=int)
+        gap[..., 1:] = along[..., 1:] - along[..., :-1] > self.numbers.separation_m
+        which = np.cumsum(gap * met, axis=2)
+        own = np.where(
+            which == np.arange(int(self.numbers.targets))[:, None, None, None], back, 0.0
+        )
+        signal = own.sum(axis=3)
+        whole = np.where(signal > 0, signal, 1.0)
+        mean = (own * along).sum(axis=3) / whole
+        spread = np.sqrt((own * (along - mean[..., None]) ** 2).sum(axis=3) / whole)
+        distance, signal, spread = (np.moveaxis(part, 0, 2) for part in (mean, signal, spread))
         light = self.ambient_klux * np.where(met, rho, 0.0).mean(axis=2)
         return distance, signal, spread, light[..., None]
 
@@ -199,6 +202,12 @@ class Multizone:
         if before is None:
             status[0] = FIRST
         return np.where(found, status, NOTHING)
+
+
+@functools.lru_cache
+def _lengths(zones: int, geometry: str, in_a_row: int) -> Array:
+    """Of rays until x = 1 m in the sensor's frame (zones², in_a_row²)."""
+    return np.asarray(np.linalg.norm(zone_rays(zones, geometry, in_a_row), axis=2))
 
 
 def drawn(

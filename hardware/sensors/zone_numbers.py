@@ -92,14 +92,14 @@ class ZoneNumbers:
     pulse_m: float
     shared: float
 
-    @property
+    @functools.cached_property
     def least_signal(self) -> float:
         """Signal ρ/R² that is found in the dark [1/m²]; a target at the reach may tell no more."""
         seen = [(self.white, self.white_dark_m), (self.grey, self.grey_dark_m)]
         found = [rho / far**2 for rho, far in seen if far < self.reach_m]
         return math.exp(sum(map(math.log, found)) / len(found))
 
-    @property
+    @functools.cached_property
     def background(self) -> float:
         """Signal that stands out of a background ρ·E of 1 klux, white target [1/(m²·√klux)]."""
         seen = ((self.white, self.white_ambient_m), (self.grey, self.grey_ambient_m))
@@ -109,22 +109,22 @@ class ZoneNumbers:
         ]
         return math.sqrt(math.prod(found))
 
-    @property
+    @functools.cached_property
     def stays_far(self) -> float:
         """Standard deviation over devices of what stays, part of a far distance."""
         return math.sqrt((self.far / self.sigmas) ** 2 - self.noise_dark**2)
 
-    @property
+    @functools.cached_property
     def stays_near_m(self) -> float:
         """Standard deviation over devices of what stays near by."""
         return math.sqrt((self.near_m / self.sigmas) ** 2 - self.noise_floor_m**2)
 
-    @property
+    @functools.cached_property
     def dark_scatter_m(self) -> float:
         """Scatter by a signal of 1/m² in the dark, which falls with its root."""
         return self.noise_dark * math.sqrt(self.grey)
 
-    @property
+    @functools.cached_property
     def ambient_scatter_m(self) -> float:
         """Scatter by ambient light, σ = this·√(ρ·E)/signal; accuracies hold at the farthest."""
         found = []

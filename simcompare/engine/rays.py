@@ -92,17 +92,15 @@ class Solids:
         """The same with the normals of the surfaces that are met."""
         origins = np.atleast_2d(origins)
         distance, row = self._nearest(origins, directions)
-        met = np.isfinite(distance)
-        index, normal = np.full(len(row), -1, dtype=np.intp), np.zeros((len(row), 3))
-        origins = np.broadcast_to(origins, directions.shape)
+        normal = np.zeros((len(row), 3))
         for group, first, end in zip(self._groups, self._firsts, self._firsts[1:], strict=False):
-            here = met & (row >= first) & (row < end)
-            if here.any():
-                own = row[here] - first
-                place = origins[here] + distance[here, None] * directions[here]
-                normal[here] = group.normals(own, place, directions[here])
-                index[here] = self._order[row[here]]
-        return Hits(distance, normal, index)
+            here = np.flatnonzero((row >= first) & (row < end))
+            if len(here):
+                along = directions[here]
+                begin = origins if len(origins) == 1 else origins[here]
+                place = begin + distance[here, None] * along
+                normal[here] = group.normals(row[here] - first, place, along)
+        return Hits(distance, normal, self._order[row])
 
     def _nearest(self, origins: Array, directions: Array) -> tuple[Array, Indices]:
         """Distances, and rows of shapes in the order of the groups; -1 where nothing is met."""
@@ -243,16 +241,15 @@ class _Group:
                 tube, flat = p * [1.0, 1.0, 0.0], p * [0.0, 0.0, 1.0]
                 is_end = np.abs(p[:, 2]) / half > np.linalg.norm(tube, axis=1) / radius
                 out = np.where(is_end[:, None], flat, tube)
-        out = out / np.linalg.norm(out, axis=1, keepdims=True)
+        out = out / np.sqrt((out * out).sum(axis=1, keepdims=True))
         return np.asarray(np.einsum("inj,ni->nj", into, out), dtype=float)
 
 
 def _side(p: Array, d: Array) -> Array:
     """The face of a cube of half edge 1 on which places (n, 3) lie, of those that look at a ray."""
     facing = np.where(p * d < 0, np.abs(p), -np.inf)
-    face = facing.argmax(axis=1)[:, None]
-    out = np.zeros_like(p)
-    np.put_along_axis(out, face, np.take_along_axis(p, face, axis=1), axis=1)
+    at, out = (np.arange(len(p)), facing.argmax(axis=1)), np.zeros_like(p)
+    out[at] = p[at]
     return out
 
 
