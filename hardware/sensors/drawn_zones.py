@@ -82,8 +82,8 @@ class DrawnZones:
         told_s, frames = zone_view.frames(
             self.device, self.scenario, owner, moved, noise, self.reflectance
         )
-        nearest = np.abs(moved.time_s[:, None] - told_s).argmin(axis=0)
-        return ZoneReading(told_s, moved.signals[self.signal][nearest], frames)
+        samples = zone_view.nearest(moved.time_s, told_s)
+        return ZoneReading(told_s, moved.signals[self.signal][samples], frames)
 
     def terms(self) -> Iterator[DrawnTerm]:
         """The numbers of the device with their sources: what was drawn, then those of its kind."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simcompare.engine.kinematics import placed_on
 from simcompare.engine.ray_scene import RayScene
@@ -15,6 +16,7 @@ from simcompare.model.rotations import rotate
 from simcompare.model.scenario import Scenario
 from simcompare.model.trajectory import Array, Trajectory
 
+Indices = NDArray[np.int_]
 #: of bodies of which none is said: the white target of the data sheet
 WHITE = 0.88
 
@@ -100,15 +102,22 @@ def frames(
         raise InputError(f"range sensor {sensor}", [f"{length}; simulate for longer"])
     told = time_s[0] + period_s * np.arange(1, count + 1)
     middle = told - device.latency_s
-    nearest = np.abs(time_s[:, None] - middle).argmin(axis=0)
+    samples = nearest(time_s, middle)
     poses = {
-        f"{name}.{part}": trajectory.signals[f"{name}.{part}"][nearest]
+        f"{name}.{part}": trajectory.signals[f"{name}.{part}"][samples]
         for name in scenario.moving_bodies()
         for part in ("position_m", "orientation_wxyz")
     }
-    poses = poses or {"": nearest.astype(float)}
+    poses = poses or {"": samples.astype(float)}
     looked = view(device, scenario, sensor, poses, reflectance)
     return told, device.read(looked, generator)
+
+
+def nearest(time_s: Array, at_s: Array) -> Indices:
+    """The samples (m,) nearest to some instants, of increasing times (n,) [s]."""
+    after = np.searchsorted(time_s, at_s).clip(1, len(time_s) - 1)
+    is_before = at_s - time_s[after - 1] <= time_s[after] - at_s
+    return np.where(is_before, after - 1, after)
 
 
 def _reflectances(seen: RayScene, scenario: Scenario, said: Mapping[str, float]) -> list[float]:
