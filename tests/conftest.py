@@ -15,6 +15,7 @@ import pytest
 
 from simcompare.hardware import confined
 from simcompare.model import whole
+from simcompare.running import runner
 from simcompare.scenarios import trust
 from tests.present import need, skipping_without_its_engine
 
@@ -41,6 +42,24 @@ def pytest_runtest_setup(item):
 def pytest_runtest_call(item):
     with skipping_without_its_engine():
         return (yield)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def engine_processes():
+    """Engines' processes are started once: to start one takes longer than most runs do.
+
+    They have the environment and the import path of that moment: see ``own_processes``.
+    """
+    with runner.kept_processes():
+        yield
+
+
+@pytest.fixture
+def own_processes():
+    """Each run starts its processes anew, as a command does, with what is set then."""
+    token = runner._waiting.set(None)
+    yield
+    runner._waiting.reset(token)
 
 
 @pytest.fixture(scope="session")
@@ -120,7 +139,7 @@ def reference(parameters, time_s):
 
 
 @pytest.fixture
-def add_engine(tmp_path, monkeypatch):
+def add_engine(tmp_path, monkeypatch, own_processes):
     """Installs a toy engine as a separate package: a module and its dist-info with entry point."""
     site = tmp_path / "site"
     site.mkdir()

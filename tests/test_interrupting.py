@@ -48,7 +48,7 @@ def hearing():
 
 
 @pytest.fixture(autouse=True)
-def ctrl_c():
+def ctrl_c(own_processes):
     present.need("pymunk")
     with hearing():
         yield

@@ -19,6 +19,7 @@ from simcompare.running.jobs import FAILED, MISSING, OK, UNSUPPORTED, Job
 from simcompare.running.runner import kept_processes, run_jobs
 from simcompare.scenarios import catalogue
 
+pytestmark = pytest.mark.usefixtures("own_processes")
 #: how long a test waits for what must come; only a test that fails waits that long
 PATIENCE_S = 120.0
 #: for engines that hang; the others are through long before it, also on a busy machine

@@ -28,7 +28,7 @@ EASY = "def reference(parameters, time_s):\n    return {}\n"
 
 
 @pytest.fixture(autouse=True)
-def nobody_said_yes(tmp_path, monkeypatch):
+def nobody_said_yes(tmp_path, monkeypatch, own_processes):
     """Memories of its own, and a folder from elsewhere whose code leaves a mark."""
     monkeypatch.setenv("SIMCOMPARE_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(trust, "_allowed", set())

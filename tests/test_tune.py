@@ -461,6 +461,7 @@ def test_what_is_known_is_not_asked_again(monkeypatch):
     assert tuned("pymunk", speed=2) == first
 
 
+@pytest.mark.usefixtures("own_processes")  # which have that cache
 def test_an_answer_is_the_same_from_the_cache_where_nothing_can_be_had(tmp_path, monkeypatch):
     need("mujoco")
     monkeypatch.setenv("SIMCOMPARE_CACHE", str(tmp_path))
