@@ -15,7 +15,8 @@ INSTALLED := $(VENV)/.installed-$(subst $(comma),-,$(ENGINES))
 run: $(INSTALLED)
 	$(BIN)/simcompare run ball --engine $(ENGINES)
 
-# sets up and passes the tests
+# sets up and passes the tests; these start hundreds of processes, which read what is compiled
+test: export PYTHONDONTWRITEBYTECODE =
 test: $(INSTALLED)-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
