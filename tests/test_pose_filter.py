@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from simcompare.errors import InputError
-from simcompare.estimation import consistency, estimators, pose_model
+from simcompare.estimation import consistency, estimators, pose_model, timing
 from simcompare.estimation.estimate import Given, Signal
 from simcompare.estimation.pose_model import (
     HEADING,
@@ -385,6 +385,41 @@ def test_a_wheel_that_slips_once_is_counted_anew():
     speed = found.best.states["speed_m_s"]
     # half a mark in 20 ms is 5 mm/s; 20 mm taken for a way would have been a metre a second
     assert np.nanmax(np.abs(speed.error[after])) < 0.02
+
+
+def test_counts_at_uneven_times_have_white_errors_where_even_ones_repeat():
+    """8.414 marks in a gate of 10 ms, read each 0.1 ms; even gates: 1 - 6f(1 - f), f = 0.414."""
+    time_s = 1e-4 * np.arange(200_001)
+    counts = Signal(time_s, np.floor(841.4 * time_s + 0.3))
+    uneven = timing.turned(counts, 960, 0.01)
+    errors = uneven.values * 960 / (2 * np.pi) - 841.4 * uneven.time_s
+    even = counts.values[::100] - 841.4 * time_s[::100]
+    # 2000 counts tell a correlation to 0.022
+    assert consistency.autocorrelation(even)[0] == pytest.approx(1 - 6 * 0.414 * 0.586, abs=0.03)
+    assert consistency.autocorrelation(errors)[0] == pytest.approx(0, abs=0.07)
+    assert np.std(errors) / (960 / (2 * np.pi)) == pytest.approx(uneven.u, rel=0.05)
+
+
+def test_speeds_and_accelerations_are_changes_of_the_true_place_and_heading():
+    """A circle of 0.5 m, driven ever faster: v = 0.2 + 0.3·t, ω = v/0.5."""
+    given = driven(0)
+    time_s = np.linspace(0, 1.6, 3201)
+    turned = (0.2 * time_s + 0.15 * time_s**2) / 0.5
+    truth = {
+        "x": Signal(time_s, 0.5 * np.sin(turned)), "y": Signal(time_s, 0.5 * (1 - np.cos(turned))),
+        "heading": Signal(time_s, turned),
+    }  # fmt: skip
+    options = {**OPTIONS, "truth_over_s": 0.02}
+    found = estimators.apply(estimators.load("pose_filter"), Given(given.signals, truth, options))
+    states = found.best.states
+    t = found.best.time_s[2:-2]
+    known = {
+        "speed_m_s": 0.2 + 0.3 * t, "acceleration_m_s2": 0.3 + 0 * t,
+        "rate_rad_s": 0.4 + 0.6 * t, "turn_acceleration_rad_s2": 0.6 + 0 * t,
+    }  # fmt: skip
+    for name, values in known.items():
+        # straight lines between samples of 0.5 ms miss a circle by 3e-8 m, over (10 ms)² by 3e-4
+        assert states[name].truth[2:-2] == pytest.approx(values, abs=1e-3), name
 
 
 def test_a_true_place_of_a_mark_is_that_of_the_axle_once_the_heading_is_known():

@@ -76,6 +76,62 @@ def test_a_bias_makes_the_filter_too_sure_and_a_third_state_cures_it():
     assert far < 3 * bias[0].u / math.sqrt(25)
 
 
+def settling(run):
+    """1.7 m/s² that fades in 0.1 s, told 3 % wrong; an accelerometer with a scale of 3 %."""
+    generator = stream(6, "fading", run)
+    time_s, (told, scale) = 0.01 * np.arange(60), 0.03 * generator.standard_normal(2)
+    acceleration = 1.7 * np.exp(-time_s / 0.1)
+    speed = 0.17 - 0.1 * acceleration
+    rate = speed / (DIAMETER_M / 2) + U_RATE * generator.standard_normal(60)
+    felt = acceleration * (1 + scale) + 0.3 + U_ACCELERATION * generator.standard_normal(60)
+    signals = {
+        "wheel_rate": Signal(time_s, rate, U_RATE),
+        "acceleration": Signal(time_s, felt, U_ACCELERATION),
+    }
+    truth = {"speed": Signal(time_s, speed), "acceleration": Signal(time_s, acceleration)}
+    options = {
+        "diameter_m": DIAMETER_M, "jerk_density_m2_s5": 1e-6, "bias": 1, "scale": 1,
+        "settling_s": 0.1, "faster": told, "u_settling": 0.03,
+    }  # fmt: skip
+    return Given(signals, truth, options)
+
+
+def test_a_filter_that_knows_how_accelerations_fade_needs_no_noise_for_it():
+    given = [settling(run) for run in range(30)]
+    found = [estimated(one) for one in given]
+    assert nees(found).outcome == "consistent", nees(found)
+    assert nis(found).outcome == "consistent", nis(found)
+    noisy = [estimated(one, settling_s=0, jerk_density_m2_s5=3) for one in given]
+    assert nis(noisy).outcome == "too careful"
+    errors = [
+        np.mean([one.best.states["speed_m_s"].rms_error for one in every])
+        for every in (found, noisy)
+    ]
+    assert errors[0] < 0.8 * errors[1]
+
+
+def nis(found):
+    rows = ([getattr(one.innovations, name) for one in found] for name in ("nis", "used"))
+    return consistency.nis(*map(np.array, rows))
+
+
+def test_true_speeds_and_accelerations_are_changes_of_the_way():
+    """Of x = t³ they are 3t² and 6t; over 20 ms the speed is 5 ms squared more, and 6t is exact."""
+    given = settling(0)
+    time_s = np.linspace(0, 1, 1001)
+    options = {**given.options, "truth_over_s": 0.02}
+    truth = {"way": Signal(time_s, time_s**3), "speed": Signal(time_s, 0 * time_s)}
+    found = estimated(Given(given.signals, truth, options)).best
+    within = np.isfinite(found.states["speed_m_s"].truth)
+    assert np.count_nonzero(within) > 50
+    t = found.time_s[within]
+    speed, acceleration = (
+        found.states[name].truth[within] for name in ("speed_m_s", "acceleration_m_s2")
+    )
+    assert speed[2:] == pytest.approx(3 * t[2:] ** 2 + 0.005**2, rel=1e-6)
+    assert acceleration[2:] == pytest.approx(6 * t[2:], rel=1e-6)
+
+
 def test_marks_are_counted_in_gates():
     time_s = np.arange(0, 1.0005, 0.001)
     turned = 5.0 * time_s  # rad, at 5 rad/s
