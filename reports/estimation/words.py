@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from simcompare import units
 from simcompare.estimation.consistency import Verdict
 from simcompare.notation import capital
-from simcompare.reports.characterization.words import rounded
+from simcompare.reports.characterization.words import percent, rounded
 from simcompare.reports.estimation import chips, drift, units_of
 from simcompare.reports.run.listing import joined
 from simcompare.results.records.estimation import Estimation, Reading, SourceEstimate
@@ -96,6 +96,7 @@ def _verdicts(result: Estimation) -> Iterator[str]:
         verdicts = [found for one in sources if (found := leading(one)) is not None]
         whose = "" if len(groups) == 1 else f"{joined([one.source for one in sources])}: "
         yield whose + _said(outcome, verdicts)
+        yield from _of_one_run(verdicts)
         yield from _causes(result, outcome, sources)
     yield from _surprised(result)
 
@@ -136,6 +137,16 @@ def _said(outcome: str, verdicts: Sequence[Verdict]) -> str:
         f"The filter has diverged: its errors are far larger than it says, {first.name} {value}"
         f" where {band} is expected."
     )
+
+
+def _of_one_run(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """How often one run alone was as near to the truth as was said: its band is wide."""
+    for one in verdicts:
+        if one.runs == 1 and one.name == "NEES" and one.inside is not None:
+            yield (
+                f"One run says little, as its band is wide. NEES is within it at"
+                f" {percent(one.inside)} of the instants, where about 95 % are expected."
+            )
 
 
 def _causes(result: Estimation, outcome: str, sources: Sequence[SourceEstimate]) -> Iterator[str]:
