@@ -19,7 +19,9 @@ from simcompare.model.settings import Settings
 from simcompare.scenarios import catalogue, robot_values
 from tests.present import need
 
-TORQUE_N_M, STEP_S, SAMPLES = 0.02, 0.001, 800
+STEP_S, SAMPLES = 0.001, 800
+#: scenario -> torques on its wheels: straight on, and a curve to the left
+TORQUES_N_M = {"robot": (0.02, 0.02), "robot_turn": (0.01, 0.011)}
 GRAVITY_M_S2 = (0, 0, -9.80665)
 FRICTION = {"chassis": 0.0, "left_wheel": 0.6, "right_wheel": 0.6}
 
@@ -29,14 +31,21 @@ def need_cad():
         pytest.skip("build123d is not installed")
 
 
-@pytest.fixture(scope="module", params=["ours", "longer"])
+#: what makes other robots of ours; but for it their principal axes are turned by up to 2.6°
+CHANGES = {
+    "ours": {},
+    "longer": {"chassis": {"length_m": 0.2}, "wheels": {"radius_m": 0.030}},
+    "heavier": {"battery": {"mass_kg": 0.3}},
+}
+
+
+@pytest.fixture(scope="module", params=CHANGES)
 def made(request, tmp_path_factory):
-    """All that follows from our robot, and from one whose body is tilted: file and folder."""
+    """All that follows from our robot, and from two whose bodies are tilted: file and folder."""
     folder = tmp_path_factory.mktemp("robot")
     tree = yaml.safe_load(robot_file.OWN.read_text(encoding="utf-8"))
-    if request.param == "longer":
-        tree["chassis"]["length_m"] = 0.2
-        tree["wheels"]["radius_m"] = 0.030
+    for section, values in CHANGES[request.param].items():
+        (tree["parts"] if section in tree["parts"] else tree)[section].update(values)
     path = folder / "my.yaml"
     path.write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
     simcompare.robot(path, out=folder)
@@ -205,18 +214,18 @@ def dart_world(file):
     return only
 
 
-def drive_in_mujoco(folder, start):
+def drive_in_mujoco(folder, start, torques):
     import mujoco
 
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
     data = mujoco.MjData(model)
-    data.ctrl[:] = TORQUE_N_M
+    data.ctrl[:] = torques
     for _ in range(SAMPLES):
         mujoco.mj_step(model, data)
-        yield data.qpos[0]
+        yield data.qpos[:2].copy()
 
 
-def drive_in_dart(folder, start, format):
+def drive_in_dart(folder, start, torques, format):
     import dartpy as dart
 
     world = dart_world(folder / f"robot.{format}")
@@ -240,13 +249,15 @@ def drive_in_dart(folder, start, format):
     plane.createDynamicsAspect().setFrictionCoeff(1.0)
     world.addSkeleton(ground)
     for _ in range(SAMPLES):
-        for wheel in ("left", "right"):
-            robot.getJoint(wheel).setForce(0, TORQUE_N_M)
+        for wheel, torque in zip(("left", "right"), torques, strict=True):
+            robot.getJoint(wheel).setForce(0, torque)
         world.step()
-        yield robot.getBodyNode("chassis").getWorldTransform().translation()[0]
+        yield robot.getBodyNode("chassis").getWorldTransform().translation()[:2]
 
 
-def drive_in_pybullet(bullet, folder, start):
+def drive_in_pybullet(bullet, folder, start, torques):
+    # 50 sweeps, as it comes, leave 20 µm in a curve
+    bullet.setPhysicsEngineParameter(numSolverIterations=1000, solverResidualThreshold=0)
     flags = bullet.URDF_USE_INERTIA_FROM_FILE
     robot = bullet.loadURDF(str(folder / "robot.urdf"), basePosition=start, flags=flags)
     ground = bullet.createMultiBody(0, bullet.createCollisionShape(bullet.GEOM_PLANE))
@@ -259,37 +270,41 @@ def drive_in_pybullet(bullet, folder, start):
             robot, link, lateralFriction=FRICTION[name], linearDamping=0, angularDamping=0,
             jointDamping=0,
         )  # fmt: skip
-    wheels = [links["left_wheel"], links["right_wheel"]]
+    wheels, torques = [links["left_wheel"], links["right_wheel"]], list(torques)
     bullet.setJointMotorControlArray(robot, wheels, bullet.VELOCITY_CONTROL, forces=[0, 0])
     for _ in range(SAMPLES):
-        bullet.setJointMotorControlArray(
-            robot, wheels, bullet.TORQUE_CONTROL, forces=[TORQUE_N_M] * 2
-        )
+        bullet.setJointMotorControlArray(robot, wheels, bullet.TORQUE_CONTROL, forces=torques)
         bullet.stepSimulation()
-        yield bullet.getBasePositionAndOrientation(robot)[0][0]
+        yield np.array(bullet.getBasePositionAndOrientation(robot)[0][:2])
 
 
+@pytest.mark.parametrize("scenario", TORQUES_N_M)
 @pytest.mark.parametrize("reader", ["mujoco", "dart urdf", "dart sdf", "pybullet"])
-def test_every_reader_drives_the_robot_as_simcompare_does(made, reader, request):
-    """The way after 0.8 s, beside that of our own adapter of the same engine."""
+def test_every_reader_drives_the_robot_as_simcompare_does(made, reader, scenario, request):
+    """The place after 0.8 s, beside that of our own adapter of the same engine."""
     engine, _, format = reader.partition(" ")
     need(engine)
     path, folder = made
-    file = catalogue.load("robot")
-    scenario = file.resolve(robot_values.taken(file, path)[1])
-    start = scenario.bodies["chassis"].position_m
+    file, values = robot_values.taken(catalogue.load(scenario), path)
+    scene, torques = file.resolve(values), TORQUES_N_M[scenario]
+    start = scene.bodies["chassis"].position_m
     match engine:
         case "mujoco":
-            places = drive_in_mujoco(folder, start)
+            places = drive_in_mujoco(folder, start, torques)
         case "dart":
-            places = drive_in_dart(folder, start, format)
+            places = drive_in_dart(folder, start, torques, format)
         case _:
-            places = drive_in_pybullet(request.getfixturevalue("bullet"), folder, start)
+            places = drive_in_pybullet(request.getfixturevalue("bullet"), folder, start, torques)
     *_, last = places
-    ours = engines.get(engine).simulate(scenario, Settings("tuned"))
-    way = ours.signals["chassis.position_m"][SAMPLES, 0] - start[0]
-    # contact is set by each reader's own defaults, so a tyre sinks in by other micrometres
-    assert last - start[0] == pytest.approx(way, rel=1e-9 if engine == "mujoco" else 1e-5)
+    ours = engines.get(engine).simulate(scene, Settings("tuned"))
+    place = ours.signals["chassis.position_m"][SAMPLES, :2]
+    # contact is set by each reader's own defaults, so a tyre sinks in by other micrometres; on the
+    # straight nothing holds DART in its direction, whose place beside it is rounding alone
+    axes = 2 if scenario == "robot_turn" else 1
+    # in a curve I_xz, which runs leave out, loads the tyres otherwise; MuJoCo's creep by 0.6 nm then
+    share = 1e-5 if engine != "mujoco" else 1e-8 if scenario == "robot_turn" else 1e-9
+    allowed = share * np.linalg.norm(place - start[:2])
+    np.testing.assert_allclose(last[:axes], place[:axes], rtol=0, atol=allowed)
 
 
 # --- Gazebo's own checker ---------------------------------------------------------------------
