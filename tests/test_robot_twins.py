@@ -301,7 +301,7 @@ def test_every_reader_drives_the_robot_as_simcompare_does(made, reader, scenario
     # contact is set by each reader's own defaults, so a tyre sinks in by other micrometres; on the
     # straight nothing holds DART in its direction, whose place beside it is rounding alone
     axes = 2 if scenario == "robot_turn" else 1
-    # in a curve I_xz, which runs leave out, loads the tyres otherwise; MuJoCo's creep by 0.6 nm then
+    # in a curve I_xz, which runs leave out, loads the tyres otherwise; MuJoCo's creep 0.6 nm then
     share = 1e-5 if engine != "mujoco" else 1e-8 if scenario == "robot_turn" else 1e-9
     allowed = share * np.linalg.norm(place - start[:2])
     np.testing.assert_allclose(last[:axes], place[:axes], rtol=0, atol=allowed)
