@@ -14,6 +14,8 @@ from simcompare.scenarios.scenario_file import ScenarioFile, out_of_bounds
 
 #: products of inertia that turn the principal axes by less are not worth a word [rad]
 _TILT_RAD = math.radians(0.1)
+#: parameters of scenarios whose robot is built as one of a file
+_CENTER = ("center_height_m", "center_behind_m")
 
 
 def taken(file: ScenarioFile, robot: str | Path | None) -> tuple[ScenarioFile, Mapping[str, float]]:
@@ -52,18 +54,31 @@ def taken(file: ScenarioFile, robot: str | Path | None) -> tuple[ScenarioFile, M
 def _drawn(file: ScenarioFile, robot: Robot) -> ScenarioFile:
     """The scenario with the robot's parts as the shapes that are drawn of its body."""
     bodies = file.tree["bodies"]
-    if robot.body not in bodies:
+    if robot.body not in bodies or not _is_like(file):
         return file
     visual = [shape.model_dump(mode="json") for shape in built.drawn(robot)]
     seen = {**bodies, robot.body: {**bodies[robot.body], "visual": visual}}
     return replace(file, tree={**file.tree, "bodies": seen})
 
 
-def left_out(robot: str | Path | None) -> tuple[str, ...]:
-    """What of a robot no scenario takes, where that is worth a word."""
+def _is_like(file: ScenarioFile) -> bool:
+    """Whether its robot is built as one of a file: with its centre of mass where that has it."""
+    return all(name in file.parameters for name in _CENTER)
+
+
+def left_out(file: ScenarioFile, robot: str | Path | None) -> tuple[str, ...]:
+    """What of a robot a scenario does not take, where that is worth a word."""
     if robot is None:
         return ()
     made = robot_file.read(robot)
+    if _is_like(file):
+        return about_tilt(made)
+    took = ", ".join(name for name in built.parameters(made) if name in file.parameters)
+    return (f"of the robot {file.name} takes {took}, and all else is its own",)
+
+
+def about_tilt(made: Robot) -> tuple[str, ...]:
+    """That runs know no product of inertia, where that is worth a word."""
     tilt = built.tilt_rad(made)
     if abs(tilt) <= _TILT_RAD:
         return ()

@@ -15,7 +15,7 @@ from simcompare.exporters.twins import twin
 from simcompare.hardware.robot import built, robot_file, solids
 from simcompare.hardware.robot.description import Robot
 from simcompare.hardware.robot.solids import Solid
-from simcompare.scenarios import catalogue
+from simcompare.scenarios import catalogue, robot_values
 from tests.present import need
 
 #: what the scenarios write fewer digits of, and how far that may be off: nobody places a battery
@@ -321,6 +321,16 @@ def test_a_run_shows_the_robot_that_it_ran_and_says_what_is_left_out(changed):
     assert f"I_xz = {built.products_kg_m2(made)[1]:.3g} kg·m²" in caution
     own = simcompare.run("robot", engine="mujoco", contact="tuned", robot=robot_file.OWN)
     assert own.record.cautions == ()  # nothing turns our own
+
+
+def test_a_scenario_of_another_machine_says_what_it_takes(changed):
+    """Its casters and its looks stay its own."""
+    file = catalogue.load("odometry")
+    seen, values = robot_values.taken(file, changed({}))
+    assert seen == file
+    assert set(values) < set(built.parameters(robot_file.read()))
+    (told,) = robot_values.left_out(file, changed({}))
+    assert told.startswith("of the robot odometry takes body_mass_kg, ")
 
 
 def test_every_verb_that_runs_a_scenario_takes_a_robot(changed):

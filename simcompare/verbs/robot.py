@@ -76,7 +76,7 @@ def robot(robot: str | Path | None = None, *, out: str | Path | None = None) -> 
         made.name, made.title, sum(one.mass_kg for one in built.placed(made)), values,
         built.products_kg_m2(made),
         tuple(name for name, _, part, _ in bill.parts(made) if not part.confirmed),
-        tuple(files), (*left_out, *robot_values.left_out(robot)),
+        tuple(files), (*left_out, *robot_values.about_tilt(made)),
     )  # fmt: skip
 
 

@@ -61,7 +61,7 @@ class RunPlan:
     @property
     def cautions(self) -> tuple[str, ...]:
         """What of the robot is left out, and where a fit is used outside of its range."""
-        found = list(robot_values.left_out(self.request.robot))
+        found = list(robot_values.left_out(self.file, self.request.robot))
         if self.fit is not None:
             found += [one for at in self.steps for one in self.fit.cautions(at.nominal, self.file)]
         return tuple(dict.fromkeys(found))
