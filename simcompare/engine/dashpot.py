@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 
@@ -24,6 +25,7 @@ def restitution(zeta: float) -> float:
     return math.exp(-2 * zeta * math.acosh(zeta) / math.sqrt(-spread))
 
 
+@functools.lru_cache(maxsize=256)
 def damping_ratio(e: float) -> float:
     """Damping ratio that gives the restitution ``e`` (0 < e ≤ 1); inverse of :func:`restitution`.
 
