@@ -21,7 +21,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from simcompare.engine.range_sensing import zone_rays
 from simcompare.errors import InputError
@@ -128,6 +127,8 @@ class Multizone:
             found_before: which zones (z,) had a target in the frame before; ``None``: there was no
                 frame before.
         """
+        from scipy import special
+
         numbers, (distance, signal, spread, light) = self.numbers, self._targets(view)
         least = np.hypot(numbers.least_signal, numbers.background * np.sqrt(light))
         beyond = numbers.background_sigmas * (signal / least - 1)

@@ -52,7 +52,9 @@ def asked_devices(
             made = devices_of(terms, signals, 1 / scenario.world.step_s, seed, scenario)
             devices.update({one.signal: one for one in made})
         except InputError as error:
-            faults += [f"{name}={terms['sheet']}: {error.where}: {one}" for one in error.faults]
+            place = f"{name}={terms['sheet']}: "
+            place += "" if error.where == name else f"{error.where}: "
+            faults += [f"{place}{one}" for one in error.faults]
         except SimcompareError as error:
             faults.append(f"{name}={terms['sheet']}: {error}")
     if faults:
