@@ -80,22 +80,32 @@ def _demodulated(
         return None
     step_s = (time_s[-1] - time_s[0]) / (len(time_s) - 1)
     max_periods = math.floor(dwell_s / (MIN_SAMPLES * step_s))
-    residuals = [_fitted(time_s, base, n / dwell_s)[1] for n in range(1, max_periods + 1)]
-    frequency = (int(np.argmin(residuals)) + 1) / dwell_s
-    moved, _ = _fitted(time_s, base, frequency)
+    frequencies_Hz = np.arange(1, max_periods + 1) / dwell_s
+    frequency = float(frequencies_Hz[np.argmin(_left(time_s, base, frequencies_Hz))])
+    moved = _fitted(time_s, base, frequency)
     if abs(moved) < _transfer.STILL_M:
         return None
-    read, _ = _fitted(time_s, probe, frequency)
+    read = _fitted(time_s, probe, frequency)
     return frequency, read / (-((2 * math.pi * frequency) ** 2) * moved)
 
 
-def _fitted(time_s: Array, values: Array, frequency_Hz: float) -> tuple[complex, float]:
-    """Complex amplitude of a sine beside a straight line, and the norm of the residual."""
+def _left(time_s: Array, values: Array, frequencies_Hz: Array) -> Array:
+    """Norm of what a sine of each frequency beside a straight line leaves."""
+    turns = 2 * math.pi * frequencies_Hz[:, None] * time_s
+    waves = np.stack((np.cos(turns), np.sin(turns)), axis=-1)
+    line, _ = np.linalg.qr(np.column_stack((np.ones(len(time_s)), time_s - time_s.mean())))
+    beside, _ = np.linalg.qr(waves - line @ (line.T @ waves))
+    values = values - line @ (line.T @ values)
+    left = values[:, None] - beside @ (beside.swapaxes(1, 2) @ values[:, None])
+    return np.asarray(np.linalg.norm(left[..., 0], axis=1))
+
+
+def _fitted(time_s: Array, values: Array, frequency_Hz: float) -> complex:
+    """Complex amplitude of a sine beside a straight line."""
     turns = 2 * math.pi * frequency_Hz * time_s
     middle = time_s - time_s.mean()
     design = np.column_stack((np.cos(turns), np.sin(turns), np.ones(len(time_s)), middle))
     scale = np.linalg.norm(design, axis=0)
     weights = np.linalg.lstsq(design / scale, values, rcond=None)[0] / scale
-    residual = float(np.linalg.norm(values - design @ weights))
     # the real part of (a - j·b)·exp(jωt) is a·cos + b·sin
-    return complex(weights[0], -weights[1]), residual
+    return complex(weights[0], -weights[1])
