@@ -268,62 +268,48 @@ def records(done: subprocess.CompletedProcess[str]):
     return record, {source["name"]: source for source in record["sources"]}
 
 
-@pytest.mark.parametrize(
-    "code",
-    ["print('hello'); os.write(1, b'hello\\n')", "import atexit; atexit.register(print, 'bye')"],
-    ids=["on import", "at exit"],
-)
-def test_noise_of_an_engines_module_never_reaches_the_json(add_engine, fall, command, code):
-    add_engine("noisy", on_import=code)
+def test_noise_of_an_engines_module_never_reaches_the_json(add_engine, fall, command):
+    add_engine("on_import", on_import="print('hello'); os.write(1, b'hello\\n')")
+    add_engine("at_exit", on_import="import atexit; atexit.register(print, 'bye')")
     add_engine("good")
+    names = ("good", "on_import", "at_exit")
     done = command(
-        "run", fall, "--engine", "good,noisy", "--contact", "assisted", "--json", "--no-report"
+        "run", fall, "--engine", ",".join(names), "--contact", "assisted", "--json", "--no-report"
     )
     _, sources = records(done)
-    assert sources["good"]["status"] == "ok"
-    assert sources["noisy"]["status"] == "ok"
+    assert {name: sources[name]["status"] for name in names} == dict.fromkeys(names, "ok")
     assert done.returncode == 0
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        {"on_import": "os.abort()"},
-        {"on_import": "sys.exit(0)"},
-        {"on_import": "import no_such_module"},
-        {"code": "class BACKEND:\n    def __init__(self): raise RuntimeError('no licence')\n"},
-        {"code": "class BACKEND:\n    pass\n"},
-        {"during": "signals = {'ball.hight_m': times}"},
-        {"during": "extra = dict(wall_s={'step': np.float32(1), 'build': np.nan})"},
-        {"during": "times = times[:1]; signals = {k: v[:1] for k, v in signals.items()}"},
-        {"during": "signals['ball.flow'] = np.zeros((len(times), 2))"},
-        {"during": "return None"},
-    ],
-    ids=[
-        "abort on import",
-        "exit on import",
-        "broken import",
-        "constructor",
-        "no contract",
-        "other signals",
-        "odd numbers",
-        "one sample",
-        "two components",
-        "no trajectory",
-    ],
-)
-def test_whatever_an_engine_does_the_others_are_kept(add_engine, fall, command, arguments):
+#: engines of which each is odd in its way
+ODD: dict[str, dict[str, str]] = {
+    "aborts_on_import": {"on_import": "os.abort()"},
+    "exits_on_import": {"on_import": "sys.exit(0)"},
+    "broken_import": {"on_import": "import no_such_module"},
+    "constructor": {
+        "code": "class BACKEND:\n    def __init__(self): raise RuntimeError('no licence')\n"
+    },
+    "no_contract": {"code": "class BACKEND:\n    pass\n"},
+    "other_signals": {"during": "signals = {'ball.hight_m': times}"},
+    "odd_numbers": {"during": "extra = dict(wall_s={'step': np.float32(1), 'build': np.nan})"},
+    "one_sample": {"during": "times = times[:1]; signals = {k: v[:1] for k, v in signals.items()}"},
+    "two_components": {"during": "signals['ball.flow'] = np.zeros((len(times), 2))"},
+    "no_trajectory": {"during": "return None"},
+}
+
+
+def test_whatever_an_engine_does_the_others_are_kept(add_engine, fall, command):
     add_engine("good")
-    add_engine("odd", **arguments)
-    done = command(
-        "run", fall, "--engine", "good,odd", "--contact", "assisted", "--json", "--no-report"
-    )
+    for name, arguments in ODD.items():
+        add_engine(name, **arguments)
+    asked = ",".join(["good", *ODD])
+    done = command("run", fall, "--engine", asked, "--contact", "assisted", "--json", "--no-report")
     record, sources = records(done)
     assert sources["good"]["status"] == "ok"
     assert [s for s in record["scores"] if s["source"] == "good" and s["verdict"] == "pass"]
-    if sources["odd"]["status"] != "ok":
-        assert sources["odd"]["reason"]
-        assert done.returncode == 3
+    failed = [name for name in ODD if sources[name]["status"] != "ok"]
+    assert all(sources[name]["reason"] for name in failed)
+    assert done.returncode == 3
 
 
 def test_a_broken_engine_spoils_neither_show_nor_doctor(add_engine, fall, call):
