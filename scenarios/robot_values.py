@@ -78,12 +78,13 @@ def left_out(file: ScenarioFile, robot: str | Path | None) -> tuple[str, ...]:
 
 
 def about_tilt(made: Robot) -> tuple[str, ...]:
-    """That runs know no product of inertia, where that is worth a word."""
+    """That scenarios know no product of inertia, where that is worth a word."""
     tilt = built.tilt_rad(made)
     if abs(tilt) <= _TILT_RAD:
         return ()
     return (
-        f"runs leave out the robot's product of inertia I_xz = {built.products_kg_m2(made)[1]:.3g}"
-        f" kg·m², which turns its principal axes by {math.degrees(tilt):.2g}° (URDF, SDF and MJCF"
-        " have it); on a floor only the loads of the wheels in a curve are a little off",
+        "scenarios leave out the robot's product of inertia I_xz ="
+        f" {built.products_kg_m2(made)[1]:.3g} kg·m², which turns its principal axes by"
+        f" {math.degrees(tilt):.2g}° (the models of simcompare robot have it); on a floor only the"
+        " loads of the wheels in a curve are a little off",
     )

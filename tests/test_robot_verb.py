@@ -133,7 +133,7 @@ def test_a_tilted_body_is_told(without_cad, tmp_path):
     path = tmp_path / "my.yaml"
     path.write_text(yaml.safe_dump(tree), encoding="utf-8")
     (told,) = simcompare.robot(path).left_out
-    assert "runs leave out the robot's product of inertia I_xz" in told
+    assert "scenarios leave out the robot's product of inertia I_xz" in told
 
 
 def test_faults_end_with_2_and_no_traceback(tmp_path):

@@ -7,6 +7,7 @@ all that a scenario says: what one cannot is listed in ``Twin.left_out`` and in 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from simcompare.errors import InputError, UnknownName
@@ -49,26 +50,13 @@ def twin(
     """
     if format not in FORMATS:
         raise UnknownName("format", format, [*FORMATS, SCRIPT])
-    return _WRITERS[format](
-        _resolved(scenario, set or {}, robot, preset, fit, _ENGINE_OF.get(format, ""))
-    )
-
-
-def _resolved(
-    scenario: str | Scenario,
-    settings: Mapping[str, str | float],
-    robot: str | Path | None,
-    preset: str | None,
-    fit: str | None,
-    engine: str,
-) -> Scenario:
-    if not isinstance(scenario, str):
-        if settings or robot is not None or preset is not None:
-            raise InputError(
-                scenario.name,
-                ["its parameters have their numbers already; set them when it is built"],
-            )
-        return scenario
-    file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
-    known = fitted(file, fit, engine)
-    return file.resolve({**known, **of_robot, **file.read_settings(settings)}, preset=preset)
+    write = _WRITERS[format]
+    if isinstance(scenario, str):
+        file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
+        known = {**fitted(file, fit, _ENGINE_OF.get(format, "")), **of_robot}
+        made = write(file.resolve({**known, **file.read_settings(set or {})}, preset=preset))
+        return replace(made, left_out=(*made.left_out, *robot_values.left_out(file, robot)))
+    if set or robot is not None or preset is not None:
+        fault = "its parameters have their numbers already; set them when it is built"
+        raise InputError(scenario.name, [fault])
+    return write(scenario)
