@@ -9,7 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from simcompare.model.expressions import ExpressionError, evaluate, is_expression, resolve
+from simcompare.model.expressions import (
+    ExpressionError,
+    Template,
+    evaluate,
+    is_expression,
+    resolve,
+)
 
 NAMES = {"a": 2.0, "b": 3.0}
 
@@ -145,3 +151,21 @@ def test_a_tree_is_resolved_and_every_fault_is_kept_with_its_place():
     assert set(faults) == {"x.1.y", "z"}
     assert "zzz" in faults["x.1.y"]
     assert tree["z"] == "${1/0}", "the tree that was given is left as it was"
+
+
+def test_a_template_is_filled_anew_each_time_and_left_as_it_was():
+    tree = {"x": ["${a}", {"y": "${2 * a}"}, {"same": [1, 2]}], "text": "plain"}
+    template = Template(tree)
+    first, second = (template.filled({"a": value}, {}) for value in (2.0, 5.0))
+    assert first == {"x": [2.0, {"y": 4.0}, {"same": [1, 2]}], "text": "plain"}
+    assert second == {"x": [5.0, {"y": 10.0}, {"same": [1, 2]}], "text": "plain"}
+    assert tree["x"][:2] == ["${a}", {"y": "${2 * a}"}]
+    faults: dict[str, str] = {}
+    template.filled({}, faults)
+    assert set(faults) == {"x.0", "x.1.y"}
+
+
+def test_a_fault_that_stands_in_two_places_is_told_in_both():
+    faults: dict[str, str] = {}
+    Template({"x": "${zzz}", "y": {"z": "${zzz}"}}).filled(NAMES, faults)
+    assert set(faults) == {"x", "y.z"}

@@ -62,6 +62,22 @@ def test_all_missing_answers_are_named_at_once():
     assert len(error.value.rows) == 4
 
 
+def test_each_table_is_asked_for_once_as_a_scene_is_opened_and_anew_later():
+    asked = []
+
+    class Counting(ToySimulation):
+        def held_of_body(self, body):
+            asked.append(body)
+            return super().held_of_body(body)
+
+    simulation = ToyBackend(Counting).open(falling(), Settings(TUNED))
+    assert asked == ["ball"]
+    (mass,) = (one for one in quantities(simulation.scene) if one.kind == "mass_kg")
+    for _ in range(2):
+        simulation.held(mass)
+    assert asked == ["ball"] * 3, "what is held may have changed"
+
+
 def test_a_shape_of_which_no_sizes_are_told_is_a_fault():
     class Silent(ToySimulation):
         def held_of_body(self, body):

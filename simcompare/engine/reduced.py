@@ -16,7 +16,7 @@ from simcompare.engine.state import BodyState
 from simcompare.model.rotations import quaternions_of, rotate, rotation_vector_of
 from simcompare.model.scenario import MOVABLE
 from simcompare.model.shapes import Vector
-from simcompare.model.trajectory import Array
+from simcompare.model.trajectory import BODY_SIGNALS, Array
 from simcompare.model.vectors import Numbers
 
 
@@ -173,8 +173,9 @@ class ReducedSimulation(Simulation):
 
     def place_all(self) -> None:
         """Puts everything to the start of the scene."""
-        for name in self._free:
-            self.place(name, self.scene.starts[name])
+        for name, body in self._free.items():
+            parts = (getattr(body, part) for part in BODY_SIGNALS)
+            self.place(name, BodyState(*parts))
         for name, joint in self._joints.items():
             self.place_joint(name, 0.0, joint.rate)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -111,7 +112,6 @@ class Scene:
         settings: level, helps and numbers.
         contacts: who touches whom, and with what.
         joints: all of them, each after the one that carries its parent.
-        starts: motion of every moving body at the start, those on joints included.
         shapes: what every body is built of; other shapes than its own where a help asks for them.
         helps: our helps that are in it.
         variant: which variant of the engine; empty for the engine as it comes.
@@ -124,10 +124,14 @@ class Scene:
     settings: Settings
     contacts: ContactPlan
     joints: Mapping[str, SceneJoint]
-    starts: Mapping[str, BodyState]
     shapes: Mapping[str, Sequence[Shape]]
     helps: frozenset[str]
     variant: str = ""
+
+    @functools.cached_property
+    def starts(self) -> Mapping[str, BodyState]:
+        """Motion of every moving body at the start, those on joints included."""
+        return starts_of(self.scenario)
 
     def gives(self, level: str) -> bool:
         """Whether all that a level gives is given to the engine."""
@@ -251,7 +255,7 @@ def make_scene(
     other = rims.other_shapes(scenario, traits.rims) if settings.takes(RIMS) else {}
     return Scene(
         engine, traits, features, scenario, settings, plan_contacts(scenario, settings, springs),
-        _joints(scenario, settings, traits.passive), starts_of(scenario), {**shapes, **other},
+        _joints(scenario, settings, traits.passive), {**shapes, **other},
         frozenset({RIMS} if other else ()), variant,
     )  # fmt: skip
 
