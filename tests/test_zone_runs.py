@@ -120,7 +120,7 @@ def test_words_count_what_is_missing(run):
 def test_the_report_shows_the_picture_the_device_and_every_source(run):
     page = run.report().read_text(encoding="utf-8")
     for said in ("What eye.range_m reads", "nothing found", "distance (m)", "ball 5 %", "5 klux",
-                 "DS13754 p. 20, Table 18", "Not trusted"):  # fmt: skip
+                 "DS13754 p. 20, Table 18", "Not trusted", 'name="rays"'):  # fmt: skip
         assert said in page
     run.plot("sensor-eye-range_m")
 
@@ -160,6 +160,14 @@ def test_what_cannot_be_is_told_before_anything_is_simulated(asked, said):
     with pytest.raises(InputError) as error:
         simcompare.run("time_of_flight", engine="mujoco", sensor=asked)
     assert said in str(error.value)
+
+
+def test_the_command_line_tells_it_and_ends_with_2(call):
+    words = ("run", "time_of_flight", "--sensor", "eye=vl53l5cx", "--sensor", "eye.rate_Hz=60")
+    code, _, told = call(*words)
+    assert code == 2
+    text = " ".join(told.split())
+    assert "--sensor: eye=vl53l5cx: rate_Hz is 60.0; expected more than 0, at most 15" in text
 
 
 def test_all_faults_are_told_at_once():
