@@ -29,10 +29,16 @@ def scores(engine, contact="assisted", step_s=0.001, **parameters):
     return {(s.measure, s.index): s for s in scores_of(repeats)}
 
 
-@pytest.mark.parametrize("step_s", [0.0005, 0.001])
-@pytest.mark.parametrize(
-    ("e", "height"), [(0.5, 0.1), (0.5, 2.0), (0.8, 1.0), (0.95, 0.1), (0.95, 2.0)]
-)
+#: restitution, height and step: each with each other; the longest drop not also in the most steps
+DROPS = [
+    (e, height, step_s)
+    for e, height in ((0.5, 0.1), (0.5, 2.0), (0.8, 1.0), (0.95, 0.1), (0.95, 2.0))
+    for step_s in (0.0005, 0.001)
+    if (e, height, step_s) != (0.95, 2.0, 0.0005)
+]
+
+
+@pytest.mark.parametrize(("e", "height", "step_s"), DROPS)
 @pytest.mark.parametrize("engine", ENGINES)
 def test_mapped_engines_bounce_as_told(engine, e, height, step_s):
     found = scores(engine, step_s=step_s, restitution=e, drop_height_m=height)
