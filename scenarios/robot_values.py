@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from simcompare.errors import InputError
@@ -18,22 +18,34 @@ _TILT_RAD = math.radians(0.1)
 _CENTER = ("center_height_m", "center_behind_m")
 
 
-def taken(file: ScenarioFile, robot: str | Path | None) -> tuple[ScenarioFile, Mapping[str, float]]:
-    """The scenario in which a robot looks as its parts do, and parameters that follow from them.
+@dataclass(frozen=True)
+class Taken:
+    """A scenario with a robot.
+
+    Attributes:
+        file: the scenario; where it is built as a file's robot is, that looks as its parts do.
+        values: of those parameters that it has, SI.
+        left_out: what of the robot it does not take, a sentence each.
+    """
+
+    file: ScenarioFile
+    values: Mapping[str, float] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()
+
+
+def taken(file: ScenarioFile, robot: str | Path | None) -> Taken:
+    """What a scenario takes of a robot.
 
     Args:
         file: the scenario.
-        robot: file of the robot; nothing is changed without one.
-
-    Returns:
-        The scenario, and the values of those parameters that it has, SI.
+        robot: file of the robot; nothing is taken without one.
 
     Raises:
         InputError: no such file or no robot, a scenario without any of these parameters, or values
             that it does not take.
     """
     if robot is None:
-        return file, {}
+        return Taken(file)
     made = robot_file.read(robot)
     known = built.parameters(made)
     values = {name: value for name, value in known.items() if name in file.parameters}
@@ -48,33 +60,20 @@ def taken(file: ScenarioFile, robot: str | Path | None) -> tuple[ScenarioFile, M
     faults = out_of_bounds(values, file.parameters)
     if faults:
         raise InputError(f"--robot {robot}, scenario {file.name}", list(faults.values()))
-    return _drawn(file, made), values
+    if all(name in values for name in _CENTER):
+        return Taken(_drawn(file, made), values, about_tilt(made))
+    some = f"of the robot {file.name} takes {', '.join(values)}, and all else is its own"
+    return Taken(file, values, (some,))
 
 
 def _drawn(file: ScenarioFile, robot: Robot) -> ScenarioFile:
     """The scenario with the robot's parts as the shapes that are drawn of its body."""
     bodies = file.tree["bodies"]
-    if robot.body not in bodies or not _is_like(file):
+    if robot.body not in bodies:
         return file
     visual = [shape.model_dump(mode="json") for shape in built.drawn(robot)]
     seen = {**bodies, robot.body: {**bodies[robot.body], "visual": visual}}
     return replace(file, tree={**file.tree, "bodies": seen})
-
-
-def _is_like(file: ScenarioFile) -> bool:
-    """Whether its robot is built as one of a file: with its centre of mass where that has it."""
-    return all(name in file.parameters for name in _CENTER)
-
-
-def left_out(file: ScenarioFile, robot: str | Path | None) -> tuple[str, ...]:
-    """What of a robot a scenario does not take, where that is worth a word."""
-    if robot is None:
-        return ()
-    made = robot_file.read(robot)
-    if _is_like(file):
-        return about_tilt(made)
-    took = ", ".join(name for name in built.parameters(made) if name in file.parameters)
-    return (f"of the robot {file.name} takes {took}, and all else is its own",)
 
 
 def about_tilt(made: Robot) -> tuple[str, ...]:

@@ -326,10 +326,10 @@ def test_a_run_shows_the_robot_that_it_ran_and_says_what_is_left_out(changed):
 def test_a_scenario_of_another_machine_says_what_it_takes(changed):
     """Its casters and its looks stay its own."""
     file = catalogue.load("odometry")
-    seen, values = robot_values.taken(file, changed({}))
-    assert seen == file
-    assert set(values) < set(built.parameters(robot_file.read()))
-    (told,) = robot_values.left_out(file, changed({}))
+    taken = robot_values.taken(file, changed({}))
+    assert taken.file is file
+    assert set(taken.values) < set(built.parameters(robot_file.read()))
+    (told,) = taken.left_out
     assert told.startswith("of the robot odometry takes body_mass_kg, ")
 
 

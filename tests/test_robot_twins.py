@@ -285,8 +285,8 @@ def test_every_reader_drives_the_robot_as_simcompare_does(made, reader, scenario
     engine, _, format = reader.partition(" ")
     need(engine)
     path, folder = made
-    file, values = robot_values.taken(catalogue.load(scenario), path)
-    scene, torques = file.resolve(values), TORQUES_N_M[scenario]
+    taken = robot_values.taken(catalogue.load(scenario), path)
+    scene, torques = taken.file.resolve(taken.values), TORQUES_N_M[scenario]
     start = scene.bodies["chassis"].position_m
     match engine:
         case "mujoco":

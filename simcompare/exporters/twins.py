@@ -52,10 +52,11 @@ def twin(
         raise UnknownName("format", format, [*FORMATS, SCRIPT])
     write = _WRITERS[format]
     if isinstance(scenario, str):
-        file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
-        known = {**fitted(file, fit, _ENGINE_OF.get(format, "")), **of_robot}
+        taken = robot_values.taken(catalogue.load(scenario), robot)
+        file = taken.file
+        known = {**fitted(file, fit, _ENGINE_OF.get(format, "")), **taken.values}
         made = write(file.resolve({**known, **file.read_settings(set or {})}, preset=preset))
-        return replace(made, left_out=(*made.left_out, *robot_values.left_out(file, robot)))
+        return replace(made, left_out=(*made.left_out, *taken.left_out))
     if set or robot is not None or preset is not None:
         fault = "its parameters have their numbers already; set them when it is built"
         raise InputError(scenario.name, [fault])

@@ -66,10 +66,11 @@ def control(
         Exception: whatever the controller raises, with a note of the engine and the time.
     """
     _check_called(controller)
-    file, of_robot = robot_values.taken(catalogue.load(str(scenario)), robot)
+    taken = robot_values.taken(catalogue.load(str(scenario)), robot)
+    file = taken.file
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
-    values = {**of_robot, **file.read_settings(set or {})}
+    values = {**taken.values, **file.read_settings(set or {})}
     step_s = None if step is None else one_step_s(step)
     if step is not None and step_s is not None:
         check_sample_step(file.resolve(values, preset=preset), step, step_s)

@@ -129,9 +129,10 @@ def estimate(
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     chosen = engines.select(engine)
-    file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
+    taken = robot_values.taken(catalogue.load(scenario), robot)
+    file = taken.file
     step_s = None if step is None else one_step_s(step)
-    values = {**of_robot, **file.read_settings(set or {})}
+    values = {**taken.values, **file.read_settings(set or {})}
     scene = file.resolve(values, preset=preset, step_s=step_s)
     chips, sensors = requests.chips_of(sensors)
     asked = _asked(scene, estimator, requests.sheets_of(sensors), options or {}, draws, seed)

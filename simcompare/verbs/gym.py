@@ -62,7 +62,7 @@ def gym(
     """
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
-    file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
-    given = {**of_robot, **file.read_settings(set or {})}
+    taken = robot_values.taken(catalogue.load(scenario), robot)
+    given = {**taken.values, **taken.file.read_settings(set or {})}
     step_s = None if step is None else units.to_si(step, "s", "step")
     return Environment(Asked(scenario, engine, contact, sensors, control_Hz, given, step_s))

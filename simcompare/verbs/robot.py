@@ -122,10 +122,10 @@ def _scenario(made: Robot, path: str | Path) -> Scenario:
         InputError: there is no such scenario, or it has no such body, or that is not the robot's.
     """
     try:
-        file, values = robot_values.taken(catalogue.load(made.scenario), path)
+        taken = robot_values.taken(catalogue.load(made.scenario), path)
     except UnknownName as error:
         raise InputError(str(path), [f"scenario: {error}"]) from None
-    scenario = file.resolve(values)
+    scenario = taken.file.resolve(taken.values)
     mass_kg = built.body_of(made).mass_kg
     fitting = [
         name

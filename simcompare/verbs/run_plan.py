@@ -20,6 +20,7 @@ from simcompare.model.settings import ASSISTED, BY_HAND, CONTACT_LEVELS, Setting
 from simcompare.results.asked_sensors import Drawn, asked_devices
 from simcompare.running.jobs import Job, Outcome
 from simcompare.scenarios import catalogue, robot_values
+from simcompare.scenarios.robot_values import Taken
 from simcompare.scenarios.scenario_file import ScenarioFile
 from simcompare.verbs import levels
 from simcompare.verbs.request import RunRequest
@@ -34,7 +35,7 @@ class RunPlan:
 
     Attributes:
         request: what it was asked.
-        file: the scenario.
+        taken: the scenario, and what it takes of a robot.
         table: of measured bounces, ``None`` without one.
         fit: whose parameters engines run with, ``None`` without one.
         helps: our helps in "assisted"; ``None``: all that an engine takes.
@@ -47,7 +48,7 @@ class RunPlan:
     """
 
     request: RunRequest
-    file: ScenarioFile
+    taken: Taken
     table: BounceTable | None
     fit: FitFile | None
     helps: frozenset[str] | None
@@ -59,9 +60,14 @@ class RunPlan:
     refused: Sequence[Outcome]
 
     @property
+    def file(self) -> ScenarioFile:
+        """The scenario."""
+        return self.taken.file
+
+    @property
     def cautions(self) -> tuple[str, ...]:
         """What of the robot is left out, and where a fit is used outside of its range."""
-        found = list(robot_values.left_out(self.file, self.request.robot))
+        found = list(self.taken.left_out)
         if self.fit is not None:
             found += [one for at in self.steps for one in self.fit.cautions(at.nominal, self.file)]
         return tuple(dict.fromkeys(found))
@@ -85,10 +91,11 @@ def planned(request: RunRequest, *, trust: bool = False) -> RunPlan:
     judged = levels.judged_levels(request.judge, fit)
     file = catalogue.load(request.scenario, trust=trust)
     table = _table(file, request.against)
-    file, of_robot = robot_values.taken(file, request.robot)
+    taken = robot_values.taken(file, request.robot)
+    file = taken.file
     values = {
         **({} if fit is None else fit.base(file)),
-        **of_robot,
+        **taken.values,
         **file.read_settings(request.set or {}),
     }
     preset = request.preset
@@ -112,7 +119,7 @@ def planned(request: RunRequest, *, trust: bool = False) -> RunPlan:
     unfitted = {id(outcome.job) for outcome in refused}
     jobs = [job for job in jobs if id(job) not in unfitted]
     return RunPlan(
-        request, file, table, fit, helps, judged, preset, steps, devices, jobs, refused
+        request, taken, table, fit, helps, judged, preset, steps, devices, jobs, refused
     )  # fmt: skip
 
 

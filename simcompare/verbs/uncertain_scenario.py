@@ -19,7 +19,7 @@ from simcompare.results.records.uncertainty import CLOSED_FORM, FORMULA, Way
 from simcompare.running.jobs import FAILED, OK, Job, Outcome
 from simcompare.running.runner import Progress, run_jobs
 from simcompare.scenarios import catalogue, robot_values
-from simcompare.scenarios.scenario_file import ScenarioFile
+from simcompare.scenarios.robot_values import Taken
 from simcompare.verbs.request import UncertaintyRequest
 from simcompare.verbs.uncertain import Uncertain
 from simcompare.verbs.uncertain_formula import record_of
@@ -38,8 +38,8 @@ def of_scenario(
     Raises:
         SimcompareError: faults of the arguments or of the scenario, or nothing that can be asked.
     """
-    file, of_robot = robot_values.taken(catalogue.load(request.scenario), request.robot)
-    repeats = _repeats(request, file, of_robot)
+    taken = robot_values.taken(catalogue.load(request.scenario), request.robot)
+    file, repeats = taken.file, _repeats(request, taken)
     nominal = repeats[len(repeats) // 2]
     known = inputs.of_scenario(file, nominal.parameters, stated, reasons)
     asked = replace(asked, known=known, correlation=inputs.named(asked.correlation, known))
@@ -62,11 +62,10 @@ def of_scenario(
     )  # fmt: skip
 
 
-def _repeats(
-    request: UncertaintyRequest, file: ScenarioFile, of_robot: Mapping[str, float]
-) -> list[Scenario]:
+def _repeats(request: UncertaintyRequest, taken: Taken) -> list[Scenario]:
     """The scenario with numbers, once for each dithered repeat."""
-    values = {**of_robot, **file.read_settings(request.set or {})}
+    file = taken.file
+    values = {**taken.values, **file.read_settings(request.set or {})}
     step_s = None
     if request.step is not None:
         step_s = sample_step_s(file, values, request.preset, request.step)

@@ -88,8 +88,9 @@ def script(
     writer = script_of(chosen)
     assert isinstance(chosen, EngineBackend), "only those have a method script()"
     level = level_of(contact, fit, own)
-    file, of_robot = robot_values.taken(catalogue.load(scenario), robot)
-    values = _values(file, engine, {**of_robot, **file.read_settings(set or {})}, fit)
+    taken = robot_values.taken(catalogue.load(scenario), robot)
+    file = taken.file
+    values = _values(file, engine, {**taken.values, **file.read_settings(set or {})}, fit)
     step_s = None if fit is None else fit_values.read(fit).usual_step_s
     if step is not None:
         step_s = sample_step_s(file, values, preset, step)
