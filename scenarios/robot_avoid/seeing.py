@@ -106,7 +106,7 @@ class Eye:
         turned = rotate(pose[None, 3:], self._rays)
         place, along = turned[0] + pose[:3], turned[1:]
         if self._is_ideal:
-            ranges = self._solids.distances(place, along)[0] / self._lengths
+            ranges = self._solids.ranges(place, along) / self._lengths
             valid = ranges < REACH_M
         else:
             seen = seen_by(self._solids.cast(place, along), along, self._lengths, self._matt)
