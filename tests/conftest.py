@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import signal
 import subprocess
@@ -29,6 +30,12 @@ confined.fork_is_safe = lambda: sys.platform == "linux"
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "engines(*names): skipped where one of these is absent")
+
+
+def pytest_collection_finish():
+    """What is imported and collected by now is not looked through for garbage in every test."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)
