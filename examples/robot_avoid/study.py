@@ -85,7 +85,7 @@ def draw(rows, file):
     for plot, engine in zip(axes[0], engines, strict=True):
         plot.set_title(f"tried on {engine}")
     for plot in axes[-1]:
-        plot.set_xlabel("errors of the sensor (0 ideal, 1 data sheet)")
+        plot.set_xlabel("errors of the sensor (0: none, 1: data sheet)")
     axes[0][0].set_ylim(-2, 102)
     handles, names = axes[0][0].get_legend_handles_labels()
     figure.legend(handles, names, title="learnt on", loc="outside right upper")
