@@ -87,12 +87,12 @@ class DrawnZones:
 
     def terms(self) -> Iterator[DrawnTerm]:
         """The numbers of the device with their sources: what was drawn, then those of its kind."""
-        numbers, stays = self.device.numbers, self.device.stays
+        far_away, stays = self.device.numbers.stays_far, self.device.stays
         rows = {row.term: row for row in self.sheet.rows[self.device.zones]}
         far = rows["far"]
         yield DrawnTerm(
-            "stays", "mean of zones", float(numbers.stays_far * stays.mean()), "", "normal",
-            numbers.stays_far, far.says, str(far.page), far.confirmed,
+            "stays", "mean of zones", float(far_away * stays.mean()), "", "normal",
+            far_away * self.device.u_mean, far.says, str(far.page), far.confirmed,
         )  # fmt: skip
         for row in rows.values():
             source = row.source if row.page == "none" else str(row.page)

@@ -112,6 +112,11 @@ class Multizone:
         """Age of a frame when it is told: it is collected during the whole period before."""
         return 0.5 / self.rate_Hz
 
+    @property
+    def u_mean(self) -> float:
+        """Standard deviation over devices of the mean of ``stays``."""
+        return math.sqrt(self.numbers.shared + (1 - self.numbers.shared) / self.zones**2)
+
     def rays(self, in_a_row: int = 5) -> Array:
         """Rays (z, in_a_row², 3) in the sensor's frame, until x = 1 m."""
         return zone_rays(self.zones, self.geometry, in_a_row)
