@@ -9,6 +9,7 @@ import pytest
 import simcompare
 from simcompare.errors import InputError, UnknownName
 from simcompare.fitting.bounces import bounce_models
+from simcompare.reports.run import remarks
 from simcompare.results.fit_file import read
 
 E, HEIGHT_M, U_S = 0.85, 1.0, 1e-4
@@ -78,7 +79,10 @@ def test_a_fit_is_used_again_and_its_range_is_watched(found):
     assert again.record.parameters["restitution"] == pytest.approx(fitted.closed["restitution"])
     assert again.record.cautions == ()
     high = simcompare.run("ball", engine="pymunk", contact=place, seeds=1, set={"drop_height": 3})
-    assert any("the fit saw" in text for text in high.record.cautions)
+    (caution,) = high.record.cautions
+    assert "the fit saw" in caution
+    assert f"Caution: {caution}." in remarks.remarks(high)
+    assert not caution.endswith(".")
     with pytest.raises(InputError, match="is a fit of ball, not of robot"):
         simcompare.run("robot", engine="pymunk", contact=place)
 

@@ -10,6 +10,8 @@ import pytest
 from matplotlib.figure import Figure
 
 import simcompare
+from simcompare.cli import manner
+from simcompare.cli import run as run_command
 from simcompare.errors import InputError, UnknownName
 from tests import records
 
@@ -66,6 +68,14 @@ def test_what_a_run_was_held_against_and_its_cautions_are_told():
     assert "takes its value from this same table" in run._repr_html_()
     assert "Caution: the fit is of another ball" in repr(run)
     assert isinstance(run.plot("measured-restitution"), Figure)
+
+
+def test_a_caution_of_a_run_is_told_once_however_much_is_asked_for(run, monkeypatch, capsys):
+    cautioned = records.changed(run, cautions=("the fit is of another ball",))
+    for verbose in (False, True):
+        monkeypatch.setattr(manner, "is_verbose", lambda verbose=verbose: verbose)
+        run_command._show(cautioned, None, details=False)
+        assert capsys.readouterr().out.count("Caution: the fit is of another ball") == 1
 
 
 def test_the_table_has_a_row_for_each_engine_and_a_column_for_each_level(run):

@@ -175,11 +175,13 @@ def _show(result: Run, page: Path | None, *, details: bool) -> None:
     words = lead_table.legend_words(tables)
     console.print_wrapped(glossary.legend([*words, "E_n"] if against else words))
     _show_not_run(result)
-    _show_limits(result)
+    if runs.run_record(result).assist == "none":
+        typer.echo("--assist none: assisted has none of our helps, so it is the same as tuned.")
     if manner.is_verbose():
         _show_all(result)
     else:
-        console.print_wrapped(remarks.failures(result))
+        cautions = (f"Caution: {caution}" for caution in runs.run_record(result).cautions)
+        console.print_wrapped([*cautions, *remarks.failures(result)])
     ending.show_places(result.folder, page)
     _show_left(result.folder)
 
@@ -230,16 +232,6 @@ def _show_all(result: Run) -> None:
     if versions:
         named = ", ".join(f"{name} {version}" for name, version in versions.items())
         console.print_wrapped([f"Versions: {named}."])
-
-
-def _show_limits(result: Run) -> None:
-    """What the reader must know of the levels, and what lies outside of a fit's range."""
-    from simcompare.reports.run import runs
-
-    record = runs.run_record(result)
-    if record.assist == "none":
-        typer.echo("--assist none: assisted has none of our helps, so it is the same as tuned.")
-    console.print_wrapped(f"Caution: {caution}" for caution in record.cautions)
 
 
 def _show_against(against: Measurement) -> None:

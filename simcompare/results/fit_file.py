@@ -154,7 +154,7 @@ class FitFile:
         return Settings(TUNED, numbers=numbers, drops=drops)
 
     def cautions(self, scene: Scenario, file: ScenarioFile) -> list[str]:
-        """What lies outside of the range in which the fit is valid, one sentence each."""
+        """What lies outside of the range in which the fit is valid, each without a full stop."""
         said = []
         height = None if file.fit is None else scene.parameters.get(file.fit.height or "")
         if height is not None:
@@ -162,14 +162,14 @@ class FitFile:
             if speed > _MARGIN * self.speed_m_s[1]:
                 said.append(
                     f"The first impact is at up to {speed:.2f} m/s; the fit saw"
-                    f" {self.speed_m_s[0]:.2f} to {self.speed_m_s[1]:.2f} m/s."
+                    f" {self.speed_m_s[0]:.2f} to {self.speed_m_s[1]:.2f} m/s"
                 )
         if self.contact == TUNED:
             return said + self._tuned_anew(scene)
         if not math.isclose(scene.world.step_s, self.step_s, rel_tol=1e-6):
             said.append(
                 f"The time between samples is {scene.world.step_s:g} s; the engines were fitted"
-                f" with {self.step_s:g} s."
+                f" with {self.step_s:g} s"
             )
         return said
 
@@ -178,7 +178,7 @@ class FitFile:
         if not self._is_at_step(scene):
             return [
                 f"The step is {1e3 * step_s:.4g} ms; the numbers of the fit hold for"
-                f" {1e3 * self.engine_step_s:.4g} ms, so the engines were tuned anew for this step."
+                f" {1e3 * self.engine_step_s:.4g} ms, so the engines were tuned anew for this step"
             ]
         plans = {frozenset(pair): plan for plan in drop_plans(scene) for pair in plan.pairs}
         unsuited = any(
@@ -189,7 +189,7 @@ class FitFile:
             return []
         return [
             "The restitution, the size of what bounces, or gravity is not that of the fit, so the"
-            " engines were tuned anew for what is asked."
+            " engines were tuned anew for what is asked"
         ]
 
     def _is_at_step(self, scene: Scenario) -> bool:

@@ -253,7 +253,8 @@ class RunRecord(Record):
         against: the measurement that engines were held against.
         against_asked: the measurement as the user named it.
         fit_asked: the fit with which engines ran.
-        cautions: what of a robot is left out, and where a fit is used outside of its range.
+        cautions: what of a robot is left out, and where a fit is used outside of its
+            range; each without a full stop.
         beyond: why the truth does not hold for these parameters, so that nothing is judged.
         sensing: sensors that are not ideal; no score is made of what they read.
     """
