@@ -159,8 +159,10 @@ def test_the_command_repeats_it(run):
         ({"eye": "vl53l5"}, "no data sheet is called 'vl53l5'; did you mean vl53l5cx"),
         ({"eyes": "vl53l5cx"}, "no sensor or signal of time_of_flight is called 'eyes'"),
         ({"eye.ambient_klux": 1}, "eye has no sheet; give that too, such as eye=SHEET"),
-        ({**SAID, "eye.rate_Hz": 60}, "rate_Hz is 60.0; expected more than 0, at most 15"),
+        ({**SAID, "eye.rate_Hz": 60}, "rate_Hz is 60.0; expected a number above 0, at most 15"),
         ({**SAID, "eye.rate_Hz": 0.5}, "a frame takes 2 s and the scenario 1 s"),
+        ({**SAID, "eye.rate_Hz": "5 Hz"}, "rate_Hz is '5 Hz'; expected a number above 0"),
+        ({**SAID, "eye.rate_Hz.": 5}, "rate_Hz is {'': 5.0}; expected a number above 0"),
         ({**SAID, "eye.ambient": 1}, "no setting of a range sensor is called 'ambient'"),
         ({**SAID, "eye.reflectance.bal": 1}, "no body is called 'bal'; did you mean ball"),
         ({**SAID, "eye.reflectance.wall": 2}, "reflectance of wall is 2.0; expected 0 to 1"),
@@ -179,14 +181,15 @@ def test_the_command_line_tells_it_and_ends_with_2(call):
     code, _, told = call(*words)
     assert code == 2
     text = " ".join(told.split())
-    assert "--sensor: eye=vl53l5cx: rate_Hz is 60.0; expected more than 0, at most 15" in text
+    assert "--sensor: eye=vl53l5cx: rate_Hz is 60.0; expected a number above 0, at most 15" in text
 
 
 def test_all_faults_are_told_at_once():
-    asked = {**SAID, "eye.rate_Hz": 60, "eye.order": "best", "way": "mpu6050"}
+    asked = {**SAID, "eye.rate_Hz": 60, "eye.order": "best", "way": "mpu6050", "cart.rate_Hz": 1,
+             "eye.reflectance": 1}  # fmt: skip
     with pytest.raises(InputError) as error:
         simcompare.run("time_of_flight", engine="mujoco", sensor=asked)
-    assert len(error.value.faults) == 3
+    assert len(error.value.faults) == 5
 
 
 def test_a_sheet_of_zones_reads_no_other_sensor():

@@ -26,6 +26,7 @@ from simcompare.engine.range_sensing import zone_rays
 from simcompare.errors import InputError
 from simcompare.hardware.sensors import zone_numbers
 from simcompare.hardware.sensors.zone_numbers import ZoneNumbers
+from simcompare.model.sensor_errors import COLDEST_C, HOTTEST_C
 from simcompare.model.trajectory import Array
 from simcompare.statistics.streams import stream
 
@@ -33,11 +34,18 @@ from simcompare.statistics.streams import stream
 VALID, FIRST, LARGE_PULSE, NEW, NOTHING = 5, 6, 9, 10, 255
 #: those of which half or more can be trusted, by its section 5.5
 TRUSTED = (VALID, FIRST, LARGE_PULSE)
+#: least and most of a setting that is a number. The sun at noon gives 100 klux; a cover glass as
+#: bright as a white target 1 cm away gives 10,000; far more scatter than any is no reading
+_LIMITS: Mapping[str, tuple[float, float]] = {
+    "ambient_klux": (0.0, 1000.0), "temperature_C": (COLDEST_C, HOTTEST_C),
+    "crosstalk": (0.0, 1e6), "scatter": (0.0, 1000.0),
+}  # fmt: skip
 #: settings of a device, and what each may be
 SETTINGS: Mapping[str, str] = {
-    "rate_Hz": "more than 0", "ambient_klux": "0 or more", "temperature_C": "a number",
-    "crosstalk": "0 or more", "scatter": "0 or more", "order": "strongest or closest",
-}  # fmt: skip
+    "rate_Hz": "a number above 0",
+    **{name: f"a number from {low:g} to {high:g}" for name, (low, high) in _LIMITS.items()},
+    "order": "strongest or closest",
+}
 Codes = NDArray[np.int_]
 Flags = NDArray[np.bool_]
 
@@ -239,7 +247,7 @@ def drawn(
     numbers = zone_numbers.load(sheet).numbers(zones)
     most, rate = numbers.rate_Hz, settings.get("rate_Hz", numbers.rate_Hz)
     if isinstance(rate, Real) and float(rate) > most:
-        faults.append(f"rate_Hz is {rate}; expected more than 0, at most {most:g}")
+        faults.append(f"rate_Hz is {rate}; expected a number above 0, at most {most:g}")
     if faults:
         raise InputError("range sensor", faults)
     normal = stream(seed, device_name or sheet, "zones", "stays").standard_normal(1 + zones**2)
@@ -271,6 +279,7 @@ def _faults(zones: int, seed: int, geometry: str, settings: Mapping[str, object]
 def _may_be(name: str, value: object) -> bool:
     if name == "order":
         return value in ("strongest", "closest")
-    if not isinstance(value, Real) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
         return False
-    return name == "temperature_C" or float(value) > 0 or (value == 0 and name != "rate_Hz")
+    low, high = _LIMITS.get(name, (math.ulp(0.0), math.inf))
+    return low <= float(value) <= high

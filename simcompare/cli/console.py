@@ -148,14 +148,18 @@ def pairs(
 ) -> dict[str, str | float]:
     """Reads arguments of the form parameter=value, such as those of ``--set``."""
     values: dict[str, str | float] = {}
+    faults = []
     for text in settings:
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
-            raise InputError(where, [f"{text!r} is not of the form {form}"])
-        if _NEXT.search(value):
+            faults.append(f"{text!r} is not of the form {form}")
+        elif _NEXT.search(value):
             each = " ".join(f"{where} {one.strip()}" for one in re.split(_NEXT, text))
-            raise InputError(where, [f"{text!r} holds several; write {each}"])
-        if name.strip() in values:
-            raise InputError(where, [f"{name.strip()} is given twice"])
-        values[name.strip()] = value.strip()
+            faults.append(f"{text!r} holds several; write {each}")
+        elif name.strip() in values:
+            faults.append(f"{name.strip()} is given twice")
+        else:
+            values[name.strip()] = value.strip()
+    if faults:
+        raise InputError(where, faults)
     return values

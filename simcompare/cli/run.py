@@ -144,7 +144,8 @@ def _is_typed(ctx: typer.Context, param: Any) -> bool:  # noqa: ANN401
 
 def _sheets(given: list[str]) -> dict[str, str]:
     """Sensor or signal -> data sheet."""
-    pairs = console.pairs(given, "--sensor", "NAME=SHEET, such as imu=mpu6050")
+    form = "NAME=SHEET, such as imu=mpu6050, or NAME.SETTING=VALUE, such as imu.rate_Hz=100"
+    pairs = console.pairs(given, "--sensor", form)
     return {name: str(sheet) for name, sheet in pairs.items()}
 
 

@@ -39,7 +39,7 @@ def asked_devices(
     """
     if seed < 0:
         raise InputError("--seed", [f"{seed} is below 0; expected a whole number from 0 on"])
-    said, faults = _by_name(scenario, asked), []
+    said, faults = _by_name(scenario, asked)
     found = {name: errors for name, errors in scenario.sensor_errors().items() if name not in said}
     devices: dict[str, Drawn] = {
         one.signal: one
@@ -103,12 +103,8 @@ def _errors(said: Mapping[str, Any], wanted: Mapping[str, int], rate_Hz: float) 
 
 def _by_name(
     scenario: Scenario, asked: Mapping[str, str | Path | float]
-) -> dict[str, dict[str, Any]]:
-    """What is said of each sensor or signal: its sheet, and settings such as ``rate_Hz``.
-
-    Raises:
-        InputError: settings of what has no sheet; all of them.
-    """
+) -> tuple[dict[str, dict[str, Any]], list[str]]:
+    """What is said of each sensor or signal, its sheet and settings, and faults of settings."""
     settings = {name: whose for name in asked if (whose := _whose(scenario, asked, name))}
     found: dict[str, dict[str, Any]] = {
         name: {"sheet": str(one)} for name, one in asked.items() if name not in settings
@@ -118,15 +114,14 @@ def _by_name(
         if whose not in found:
             faults.append(f"{name}: {whose} has no sheet; give that too, such as {whose}=SHEET")
             continue
-        key, _, part = name.removeprefix(f"{whose}.").partition(".")
-        place = found[whose].setdefault(key, {}) if part else found[whose]
-        if not isinstance(place, dict) or (part or key) in place:
+        key, dot, part = name.removeprefix(f"{whose}.").partition(".")
+        place = found[whose].setdefault(key, {}) if dot else found[whose]
+        last = part if dot else key
+        if not isinstance(place, dict) or last in place:
             faults.append(f"{name}: {whose}.{key} is given too; expected one of them")
             continue
-        place[part or key] = _value(asked[name])
-    if faults:
-        raise InputError("--sensor", faults)
-    return found
+        place[last] = _value(asked[name])
+    return found, faults
 
 
 def _whose(scenario: Scenario, asked: Mapping[str, object], name: str) -> str:
