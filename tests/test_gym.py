@@ -139,6 +139,10 @@ def test_numbers_that_make_no_sense_are_told_at_once(engine):
         ({"control_Hz": math.inf}, "no whole number of engine steps"),
         ({"step": 0}, "step = 0 s; expected more than 0"),
         ({"step": -0.001}, "step = -0.001 s; expected more than 0"),
+        ({"step": 10}, "expected such as control_Hz = 5 with step = 0.2"),
+        ({"step": 1e-9}, "step = 1e-09 s; expected at least 2e-05 s"),
+        ({"sensors": 1e300}, "sensors = 1e\\+300; expected .* at most 1000"),
+        ({"step": -1, "control_Hz": math.nan, "sensors": -1}, "3 faults"),
     ):
         with pytest.raises(InputError, match=words):
             simcompare.gym("robot_avoid", engine=engine, **asked)
@@ -171,9 +175,13 @@ def test_an_episode_takes_parameters_with_units_and_nothing_else(engine):
         ({"sets": {}}, "expected such as"), ([1], "expected such as"), ({"set": 3}, "names with"),
         ({"set": {"track_m": "12kg"}}, "options, set: track_m: the unit 'kg' does not fit"),
         ({"set": {"nope": 1}}, "no parameter is called 'nope'"),
+        ({"set": {"track_m": None, 1: 1, "voltage_V": True}}, "reset: 3 faults"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=words):
             environment.reset(options=options)
+    for seed in (-1, 1.5, "1", True):
+        with pytest.raises(InputError, match=r"seed=.*; expected a whole number from 0 on"):
+            environment.reset(seed=seed)
     assert environment.step(AHEAD)  # what was refused has ended nothing
     environment.close()
 
@@ -189,4 +197,4 @@ def test_only_scenarios_with_a_task_are_environments(engine):
 @pytest.mark.engines("pymunk")
 def test_an_engine_in_the_plane_is_refused():
     with pytest.raises(Unsupported, match="pymunk has no"):
-        simcompare.gym("robot_avoid", engine="pymunk").reset(seed=1)
+        simcompare.gym("robot_avoid", engine="pymunk")

@@ -1,5 +1,6 @@
 """Policies as files, and how well they do: NumPy alone, all faults of a file, intervals."""
 
+import contextlib
 import itertools
 import math
 
@@ -88,11 +89,36 @@ def test_what_is_no_policy_is_told(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("at", "byte"),
+    [(8, 1), (10, 99)],  # of an entry in the archive's directory: locked, compressed unknown
+)
+def test_a_damaged_archive_is_no_policy(tmp_path, at, byte):
+    made(5, 4, 2).save(tmp_path / "net.npz")
+    whole = bytearray((tmp_path / "net.npz").read_bytes())
+    whole[whole.find(b"PK\x01\x02") + at] = byte
+    (tmp_path / "net.npz").write_bytes(whole)
+    with pytest.raises(InputError, match="is no policy"):
+        policy.load(tmp_path / "net.npz", 5, 2)
+
+
+@pytest.mark.parametrize("place", range(60, 400, 20))
+def test_bytes_that_were_changed_give_a_policy_or_a_fault(tmp_path, place):
+    made(5, 4, 2).save(tmp_path / "net.npz")
+    whole = bytearray((tmp_path / "net.npz").read_bytes())
+    whole[place] ^= 255
+    (tmp_path / "net.npz").write_bytes(whole)
+    with contextlib.suppress(InputError):
+        assert policy.load(tmp_path / "net.npz", 5, 2)
+
+
+@pytest.mark.parametrize(
     ("values", "words"),
     [
         ({"mean": np.array(["a"] * 5)}, "mean: expected real numbers, found <U1"),
         ({"mean": np.zeros(5, complex)}, "mean: expected real numbers, found complex128"),
         ({"recipe": np.array("[1]")}, r"is no policy \(its recipe is \[1\]\)"),
+        ({"recipe": np.array("[" * 100_000)}, "is no policy"),
+        ({"recipe": np.array('{"seed": 1.5, "sensors": "a", "engine": 3}')}, "3 faults"),
     ],
 )
 def test_arrays_of_other_kinds_are_told(tmp_path, values, words):

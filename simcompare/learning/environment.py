@@ -6,6 +6,7 @@ import dataclasses
 import importlib
 import math
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any
 
 import gymnasium
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simcompare.engine import engines
+from simcompare.engine.backend import refuse
 from simcompare.engine.simulation import Simulation
 from simcompare.errors import InputError, UnknownName
 from simcompare.model.scenario import Scenario
@@ -21,6 +23,10 @@ from simcompare.scenarios import catalogue
 
 #: numbers that are seen or done (n,); those who learn have them in single precision
 Numbers = NDArray[np.float32] | NDArray[np.float64]
+#: errors of sensors beyond this leave nothing of what they read
+MOST_ERRORS = 1000.0
+#: most engine steps in a control step: more take minutes
+MOST_SUBSTEPS = 10_000
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,11 +75,13 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         self._file, self._backend = catalogue.load(asked.scenario), engines.get(asked.engine)
         self._settings, self._sensors = Settings(asked.contact), asked.sensors
         self._given = dict(asked.set)
-        world = self._file.resolve(self._given).world
+        scenario = self._file.resolve(self._given)
+        world = scenario.world
         wanted_Hz, step_s = asked.control_Hz, asked.step_s
         self.control_Hz: float = self._task.CONTROL_HZ if wanted_Hz is None else wanted_Hz
         self._step_s = world.engine_step_s if step_s is None else step_s
         self._refuse(asked, world.duration_s)
+        refuse(self._backend, _bare(scenario), self._settings)
         self._most = round(self._task.LONGEST_S * self.control_Hz)
         self._substeps = round(1 / (self.control_Hz * self._step_s))
         self.observation_space = gymnasium.spaces.Box(
@@ -98,17 +106,17 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
             The first observation, and the parameters that were drawn.
 
         Raises:
-            InputError: options that it does not know, or a scene that cannot be.
+            InputError: no seed, options that it does not know, or a scene that cannot be.
         """
+        if seed is not None and (type(seed) is not int or seed < 0):
+            raise InputError("reset", [f"seed={seed!r:.100}; expected a whole number from 0 on"])
         given = self._given | self._optional({} if options is None else options)
         super().reset(seed=seed)
         self.close()
         drawn = self._task.draw(self.np_random) | given
         scenario = self._scene(drawn)
         self._episode = self._task.Episode(scenario, self._sensors, self.control_Hz, self.np_random)
-        # what the sensors read is the episode's to work out
-        bare = scenario.model_copy(update={"sensors": {}})
-        self._simulation = self._backend.open(bare, self._settings)
+        self._simulation = self._backend.open(_bare(scenario), self._settings)
         self._taken = 0
         return self._seen(self._simulation), {"parameters": drawn}
 
@@ -154,6 +162,14 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         given = options.get("set", {})
         if not isinstance(given, Mapping):
             raise InputError("reset", [f"options, set: {given!r:.100}; expected names with values"])
+        faults = [
+            f"options, set: {name!r:.50}: {value!r:.50}; expected a name with text or a number"
+            for name, value in given.items()
+            if not isinstance(name, str) or isinstance(value, bool | np.bool_)
+            or not isinstance(value, str | Real)
+        ]  # fmt: skip
+        if faults:
+            raise InputError("reset", faults)
         return self._file.read_settings(given, "options, set")
 
     def _seen(self, simulation: Simulation) -> Numbers:
@@ -171,25 +187,40 @@ class Environment(gymnasium.Env[Numbers, Numbers]):  # type: ignore[misc]
         return scenario.model_copy(update={"world": world})
 
     def _refuse(self, asked: Asked, longest_s: float) -> None:
-        faults = []
-        if not (math.isfinite(asked.sensors) and asked.sensors >= 0):
+        faults, step_s, control_Hz = [], self._step_s, self.control_Hz
+        if not 0 <= asked.sensors <= MOST_ERRORS:
             faults.append(
-                f"sensors = {asked.sensors!r}; expected 0 (ideal), 1 (data sheet) or more"
+                f"sensors = {asked.sensors!r}; expected 0 (ideal), 1 (data sheet) or more, at most"
+                f" {MOST_ERRORS:g}"
             )
-        if not self._step_s > 0:
-            faults.append(f"step = {self._step_s:g} s; expected more than 0")
-        elif not self.control_Hz * longest_s >= 1:
+        if not step_s > 0:
+            faults.append(f"step = {step_s:g} s; expected more than 0")
+        if not control_Hz * longest_s >= 1:
             faults.append(
-                f"control_Hz = {self.control_Hz:g}; expected at least {1 / longest_s:g}, such as"
+                f"control_Hz = {control_Hz:g}; expected at least {1 / longest_s:g}, such as"
                 f" {self._task.CONTROL_HZ:g}"
             )
-        elif not _is_whole(1 / (self.control_Hz * self._step_s)):
+        elif step_s > 0 and not _is_whole(1 / (control_Hz * step_s)):
+            most_s = 1 / self._task.CONTROL_HZ
+            cure = f"control_Hz = {self._task.CONTROL_HZ:g}"
+            if not _is_whole(most_s / step_s):
+                cure += f" with step = {most_s / max(1, round(most_s / step_s)):g}"
             faults.append(
-                f"control_Hz = {self.control_Hz:g}: a control step is no whole number of engine"
-                f" steps of {self._step_s:g} s; expected such as {self._task.CONTROL_HZ:g}"
+                f"control_Hz = {control_Hz:g}: a control step is no whole number of engine"
+                f" steps of {step_s:g} s; expected such as {cure}"
+            )
+        elif step_s > 0 and round(1 / (control_Hz * step_s)) > MOST_SUBSTEPS:
+            faults.append(
+                f"step = {step_s:g} s; expected at least {1 / (control_Hz * MOST_SUBSTEPS):g} s:"
+                f" a control step has at most {MOST_SUBSTEPS} engine steps"
             )
         if faults:
             raise InputError(f"environment of {asked.scenario}", faults)
+
+
+def _bare(scenario: Scenario) -> Scenario:
+    """The scene alone: what its sensors read is the episode's to work out."""
+    return scenario.model_copy(update={"sensors": {}})
 
 
 def _is_whole(parts: float) -> bool:

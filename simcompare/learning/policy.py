@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Mapping, Sequence
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,12 @@ import numpy as np
 from simcompare.errors import InputError, NoSuchFile
 from simcompare.model.trajectory import Array
 
+#: what NumPy, the archive and the recipe raise. TypeError: an .npy file, which is one array;
+#: RuntimeError: a locked archive, a way to compress that is not known, a recipe without end
+_UNREADABLE = (
+    OSError, ValueError, EOFError, TypeError, RuntimeError, MemoryError, zlib.error,
+    zipfile.BadZipFile,
+)  # fmt: skip
 #: standardised observations are kept within this, as they are while it is learnt
 LIMIT = 10.0
 
@@ -72,14 +79,24 @@ def load(path: str | Path, observations: int, actions: int) -> Policy:
         recipe = json.loads(str(held.pop("recipe", np.array("{}"))))
         if not isinstance(recipe, dict):
             raise ValueError(f"its recipe is {recipe!r:.50}")
-    # TypeError: an .npy file, which is one array and no archive
-    except (OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile) as error:
+    except _UNREADABLE as error:
         fault = f"is no policy ({error}); expected an .npz file as Policy.save writes it"
         raise InputError(str(path), [fault]) from None
-    if faults := list(_faults(held, observations, actions)):
+    if faults := [*_of_recipe(recipe), *_faults(held, observations, actions)]:
         raise InputError(str(path), faults)
     layers = [(held[f"weight_{i}"], held[f"bias_{i}"]) for i in range(_depth(held))]
     return Policy(held["mean"], held["deviation"], layers, recipe)
+
+
+def _of_recipe(recipe: Mapping[str, Any]) -> Iterator[str]:
+    """What tables of trials read of a recipe, and cannot."""
+    for name, kind, wanted in (
+        ("engine", str, "a text"), ("seed", int, "a whole number"),
+        ("sensors", int | float, "a number"),
+    ):  # fmt: skip
+        found = recipe.get(name)
+        if name in recipe and (isinstance(found, bool) or not isinstance(found, kind)):
+            yield f"its recipe has {name} = {found!r:.50}; expected {wanted}"
 
 
 def _depth(held: Mapping[str, Array]) -> int:
