@@ -2,6 +2,7 @@
 
 import functools
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -98,6 +99,19 @@ def test_the_time_between_samples_does_not_matter(step_s):
     _, amplitude, phase = series_of(found)
     assert amplitude[0] == pytest.approx(0.9, rel=1e-9)
     assert phase[0] == pytest.approx(math.degrees(-0.4), abs=1e-6)
+
+
+def test_fine_steps_take_little_memory_and_change_no_bit(monkeypatch):
+    time_s = np.arange(4000) * 5e-5
+    shaking, frequencies_Hz = np.sin(300 * time_s) + time_s, np.arange(1, 301) * 5.0
+    tracemalloc.start()
+    left = response._left(time_s, shaking, frequencies_Hz)
+    _, most_bytes = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    # all at once, the waves alone are 19 MB
+    assert most_bytes < 8 * 4000 * 300
+    monkeypatch.setattr(response, "_AT_ONCE", 4000 * 300)
+    np.testing.assert_array_equal(response._left(time_s, shaking, frequencies_Hz), left)
 
 
 @pytest.mark.parametrize("tremble", [0.0, 1e-17])

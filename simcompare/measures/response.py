@@ -11,6 +11,8 @@ from simcompare.model.trajectory import Array, Trajectory
 
 #: samples in the shortest period that is looked for
 MIN_SAMPLES = 4
+#: samples times frequencies that are looked at at once: a few megabytes
+_AT_ONCE = 40_000
 
 SERIES = _transfer.SERIES
 AXES = _transfer.AXES
@@ -91,13 +93,17 @@ def _demodulated(
 
 def _left(time_s: Array, values: Array, frequencies_Hz: Array) -> Array:
     """Norm of what a sine of each frequency beside a straight line leaves."""
-    turns = 2 * math.pi * frequencies_Hz[:, None] * time_s
-    waves = np.stack((np.cos(turns), np.sin(turns)), axis=-1)
     line, _ = np.linalg.qr(np.column_stack((np.ones(len(time_s)), time_s - time_s.mean())))
-    beside, _ = np.linalg.qr(waves - line @ (line.T @ waves))
-    values = values - line @ (line.T @ values)
-    left = values[:, None] - beside @ (beside.swapaxes(1, 2) @ values[:, None])
-    return np.asarray(np.linalg.norm(left[..., 0], axis=1))
+    values = (values - line @ (line.T @ values))[:, None]
+    size = max(1, _AT_ONCE // len(time_s))
+    found = []
+    for i in range(0, len(frequencies_Hz), size):
+        turns = 2 * math.pi * frequencies_Hz[i : i + size, None] * time_s
+        waves = np.stack((np.cos(turns), np.sin(turns)), axis=-1)
+        beside, _ = np.linalg.qr(waves - line @ (line.T @ waves))
+        left = values - beside @ (beside.swapaxes(1, 2) @ values)
+        found.append(np.linalg.norm(left[..., 0], axis=1))
+    return np.concatenate(found)
 
 
 def _fitted(time_s: Array, values: Array, frequency_Hz: float) -> complex:
