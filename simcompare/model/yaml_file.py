@@ -24,7 +24,7 @@ _MAX_MB, _MAX_PARTS, _MAX_ALIASED = 1.0, 50_000, 100_000
 #: which PyYAML reads, also takes 1:30 for 90, 010 for 8, no for false, and 1e3 for a text
 _CORE = {
     "bool": ("true|True|TRUE|false|False|FALSE", "tTfF"),
-    "int": ("[-+]?[0-9]+|0x[0-9a-fA-F]+", "-+0123456789"),
+    "int": ("[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+", "-+0123456789"),
     "float": (
         r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
         "-+.0123456789",
@@ -37,7 +37,7 @@ class _Loader(yaml.SafeLoader):
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
         """A whole number; 010 is ten."""
-        return int(node.value, 16 if "x" in node.value else 10)
+        return int(node.value, {"0x": 16, "0o": 8}.get(node.value[:2], 10))
 
 
 _Loader.yaml_implicit_resolvers = {
