@@ -94,6 +94,18 @@ def test_mujoco_reads_the_mass_of_the_parts_in_mjcf(made):
     assert_same(held.mass[0], inertia, path, over_the_axle(data.body("chassis").xipos, path))
 
 
+def test_mujoco_shows_the_parts_and_lets_them_touch_nothing(made):
+    need("mujoco")
+    import mujoco
+
+    path, folder = made
+    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    seen = [i for i in range(model.ngeom) if ".visual." in model.geom(i).name]
+    assert len(seen) >= len(robot_file.read(path).parts)
+    assert not model.geom_contype[seen].any()
+    assert not model.geom_conaffinity[seen].any()
+
+
 @pytest.mark.parametrize("format", ["urdf", "sdf"])
 def test_dart_reads_the_mass_of_the_parts_in_urdf_and_sdf(made, format):
     need("dart")

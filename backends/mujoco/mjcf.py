@@ -81,7 +81,7 @@ def _add_bodies(worldbody: ET.Element, scene: Scene) -> None:
                 diaginertia=_text(body.inertia_kg_m2 or ()),
             )  # fmt: skip
         for i, shape in enumerate(scene.shapes[name]):
-            ET.SubElement(element, "geom", {"name": geom_name(name, i), **_shape(shape)})
+            ET.SubElement(element, "geom", {"name": geom_name(name, i), **shape_attributes(shape)})
 
 
 def _add_joint(element: ET.Element, scene: Scene, joint: SceneJoint) -> None:
@@ -159,7 +159,8 @@ def pair_names(scene: Scene, pair: Pair) -> dict[str, tuple[str, str]]:
     return {f"{one}-{other}": (one, other) for one in first for other in second}
 
 
-def _shape(shape: Shape) -> dict[str, str]:
+def shape_attributes(shape: Shape) -> dict[str, str]:
+    """Type, place and size of a geom, as MJCF says them."""
     # of all lengths but radii MuJoCo takes the half
     sizes = [size if name == "radius_m" else size / 2 for name, size in sizes_m(shape).items()]
     found = {"type": shape.type, "pos": _text(shape.position_m)}

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
 from simcompare.backends.mujoco.backend import BACKEND
-from simcompare.backends.mujoco.mjcf import mjcf
+from simcompare.backends.mujoco.mjcf import mjcf, shape_attributes
 from simcompare.engine.helps.spring_contact import steps_for
 from simcompare.engine.kinematics import vector_of
 from simcompare.engine.range_sensing import REACH_M, rays_of
@@ -36,6 +36,7 @@ def write(scenario: Scenario) -> Twin:
         option.set("timestep", number(_step_s(scenario)))
     for name in scenario.range_sensors():
         _add_rangefinders(root, scenario, name)
+    _add_looks(root, scenario)
     left_out = tuple(_left_out(scenario))
     text = parts.finish(root, scenario, "mjcf", left_out)
     return Twin(
@@ -72,6 +73,21 @@ def _add_rangefinders(root: ET.Element, scenario: Scenario, name: str) -> None:
         add(body, "site", name=own, pos=place, zaxis=numbers(along), size="0.001")
         far = number(reach_m * float(length))
         add(readings, "rangefinder", name=own, site=own, cutoff=far)
+
+
+def _add_looks(root: ET.Element, scenario: Scenario) -> None:
+    """Shapes that are only seen: they have no mass, and touch nothing.
+
+    MuJoCo's rays meet them, except on the body that carries the sensor. So where a range sensor
+    looks, no other body gets them.
+    """
+    carriers = {scenario.sensors[name].body for name in scenario.range_sensors()}
+    for name, body in scenario.bodies.items():
+        element = root.find(f".//body[@name='{name}']")
+        assert element is not None
+        for i, shape in enumerate(body.visual if not carriers or name in carriers else ()):
+            seen = {"contype": "0", "conaffinity": "0", "mass": "0", "group": "1"}
+            add(element, "geom", name=f"{name}.visual.{i}", **shape_attributes(shape), **seen)
 
 
 def _left_out(scenario: Scenario) -> Iterator[str]:
