@@ -307,8 +307,10 @@ def test_whatever_an_engine_does_the_others_are_kept(add_engine, fall, command):
     record, sources = records(done)
     assert sources["good"]["status"] == "ok"
     assert [s for s in record["scores"] if s["source"] == "good" and s["verdict"] == "pass"]
-    failed = [name for name in ODD if sources[name]["status"] != "ok"]
-    assert all(sources[name]["reason"] for name in failed)
+    # a run may end early
+    expected = dict.fromkeys(ODD, "failed") | {"one_sample": "ok"}
+    assert {name: sources[name]["status"] for name in ODD} == expected
+    assert all(sources[name]["reason"] for name in ODD if name != "one_sample")
     assert done.returncode == 3
 
 
