@@ -19,7 +19,8 @@ def limits(run: Run) -> Part | None:
     table = Table("", columns, groups)
     if not groups:
         return None
-    finding = f"{sum(len(group.rows) for group in groups)} limits of {len(groups)} engines"
+    engine = "engine" if len(groups) == 1 else "engines"
+    finding = f"{sum(len(group.rows) for group in groups)} limits of {len(groups)} {engine}"
     return Part(
         "Known limits", "limits", tables=(table,), folded=True, finding=finding, brief=False
     )
