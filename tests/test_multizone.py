@@ -290,3 +290,26 @@ def test_all_faults_of_a_sheet_are_told_at_once(tmp_path):
     assert "whiter is not a term" in said
     assert "white is missing" in said
     assert "near_m is -0.015; expected more than 0" in said
+
+
+@pytest.mark.parametrize(
+    ("term", "value", "words"),
+    [
+        ("targets", 2.5, "targets is 2.5; expected a whole number"),
+        ("targets", 1e9, "targets is 1e+09; expected more than 0, at most 25"),
+        ("detection_rate", 1, "detection_rate is 1; expected less"),
+        ("white", 1.5, "white is 1.5; expected more than 0, at most 1"),
+        ("reach_m", 0.5, "white_dark_m and grey_dark_m are not below reach_m, which is 0.5"),
+        ("sigmas", 50, "near_m / sigmas is 0.0003; expected more than noise_floor_m"),
+        ("sigmas", 1e-300, "sigmas is 1e-300; expected at least 1e-06"),
+        ("far", 0.0001, "far / sigmas is 3.704e-05; expected more than noise_dark"),
+        ("far_white_ambient", 0.01, "far_white_ambient is 0.01; expected at least far"),
+        ("white_ambient_m", 9, "white_ambient_m is 9; expected less than 3.441"),
+    ],
+)
+def test_numbers_of_a_sheet_that_do_not_go_together_are_told(tmp_path, term, value, words):
+    text = (multizone.zone_numbers.sheets.files()["vl53l5cx"]).read_text(encoding="utf-8")
+    path = tmp_path / "mine.yaml"
+    path.write_text(re.sub(f"(term: {term}, value:) [^,]*,", rf"\1 {value},", text), "utf-8")
+    with pytest.raises(InputError, match=re.escape(words)):
+        load(path)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -189,7 +190,70 @@ def _loaded(path: Path, changed_ns: int) -> ZoneSheet:
         faults += [f"zones of {count}: {n} is said twice" for n in {*said} if said.count(n) > 1]
         faults += [f"zones of {count}: {n} is missing" for n in known if n not in said]
         faults += [f"zones of {count}: {row.term} is {row.value:g}; expected more than 0"
-                   for row in all_rows if row.value <= 0]  # fmt: skip
+                   f"{'' if row.value <= 0 else f', at most {_most(row.term):g}'}"
+                   for row in all_rows if not 0 < row.value <= _most(row.term)]  # fmt: skip
     if faults:
         raise InputError(str(path), faults)
-    return ZoneSheet(path.stem, content.name, sheet_reading.document(content.source), rows)
+    found = ZoneSheet(path.stem, content.name, sheet_reading.document(content.source), rows)
+    faults = [f"zones of {count}: {one}" for count in rows for one in _apart(found.numbers(count))]
+    if faults:
+        raise InputError(str(path), faults)
+    return found
+
+
+#: parts of a whole
+_PARTS = ("white", "grey", "detection_rate", "shared", "noise_dark")
+#: more than any of the other numbers is, in SI; and less, where one is a divisor
+_MOST, _LEAST = 1e6, 1e-6
+#: targets of a zone: no more than it has rays
+_MOST_TARGETS = 25
+
+
+def _most(term: str) -> float:
+    return 1.0 if term in _PARTS else _MOST_TARGETS if term == "targets" else _MOST
+
+
+def _apart(n: ZoneNumbers) -> Iterator[str]:
+    """Numbers that do not go together: the model would need a root of less than 0."""
+    names = (field.name for field in fields(n) if field.name != "drift_m_per_K")
+    small = [name for name in names if getattr(n, name) < _LEAST]
+    yield from (f"{name} is {getattr(n, name):g}; expected at least {_LEAST:g}" for name in small)
+    if not small:
+        yield from _of_distances(n)
+        yield from _of_accuracies(n)
+    if n.detection_rate >= 1:
+        yield "detection_rate is 1; expected less: nothing is found in every frame"
+    if n.targets != int(n.targets):
+        yield f"targets is {n.targets:g}; expected a whole number"
+
+
+def _of_accuracies(n: ZoneNumbers) -> Iterator[str]:
+    """Accuracies that leave no room for the scatter, or for ambient light."""
+    for whole, part in (("near_m", "noise_floor_m"), ("far", "noise_dark")):
+        if not (one := getattr(n, whole) / n.sigmas) > getattr(n, part):
+            yield (
+                f"{whole} / sigmas is {one:.4g}; expected more than {part}, which is"
+                f" {getattr(n, part):g}: the accuracy holds with the scatter"
+            )
+    for name in ("far_white_ambient", "far_grey_ambient"):
+        if getattr(n, name) < n.far:
+            yield f"{name} is {getattr(n, name):g}; expected at least far, which is {n.far:g}"
+
+
+def _of_distances(n: ZoneNumbers) -> Iterator[str]:
+    """Largest distances that tell nothing, or more in ambient light than in the dark."""
+    if min(n.white_dark_m, n.grey_dark_m) >= n.reach_m:
+        yield (
+            f"white_dark_m and grey_dark_m are not below reach_m, which is {n.reach_m:g};"
+            " expected one of them to be"
+        )
+    else:
+        for target in ("white", "grey"):
+            far_m, most_m = (
+                getattr(n, f"{target}_ambient_m"), math.sqrt(getattr(n, target) / n.least_signal)
+            )  # fmt: skip
+            if far_m >= most_m:
+                yield (
+                    f"{target}_ambient_m is {far_m:g}; expected less than {most_m:.4g}, from where"
+                    " it is found in the dark"
+                )
