@@ -160,6 +160,10 @@ def test_the_command_repeats_it(run):
         ({"eyes": "vl53l5cx"}, "no sensor or signal of time_of_flight is called 'eyes'"),
         ({"eye.ambient_klux": 1}, "eye has no sheet; give that too, such as eye=SHEET"),
         ({**SAID, "eye.rate_Hz": 60}, "rate_Hz is 60.0; expected a number above 0, at most 15"),
+        (
+            {"eye.range_m": "vl53l5cx", "eye.ambient_klux": 1},
+            "eye.ambient_klux: eye has no sheet; write eye.range_m.ambient_klux",
+        ),
         ({**SAID, "eye.rate_Hz": 0.5}, "a frame takes 2 s and the scenario 1 s"),
         ({**SAID, "eye.rate_Hz": "5 Hz"}, "rate_Hz is '5 Hz'; expected a number above 0"),
         ({**SAID, "eye.rate_Hz.": 5}, "rate_Hz is {'': 5.0}; expected a number above 0"),

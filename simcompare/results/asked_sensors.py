@@ -112,7 +112,10 @@ def _by_name(
     faults = []
     for name, whose in settings.items():
         if whose not in found:
-            faults.append(f"{name}: {whose} has no sheet; give that too, such as {whose}=SHEET")
+            rest = name.removeprefix(f"{whose}.")
+            own = [one for one in found if one.startswith(f"{whose}.")]
+            cure = f"write {own[0]}.{rest}" if own else f"give that too, such as {whose}=SHEET"
+            faults.append(f"{name}: {whose} has no sheet; {cure}")
             continue
         key, dot, part = name.removeprefix(f"{whose}.").partition(".")
         place = found[whose].setdefault(key, {}) if dot else found[whose]
