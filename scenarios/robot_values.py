@@ -25,7 +25,7 @@ class Taken:
     Attributes:
         file: the scenario; where it is built as a file's robot is, that looks as its parts do.
         values: of those parameters that it has, SI.
-        left_out: what of the robot it does not take, a sentence each.
+        left_out: what of the robot it does not take, a sentence without a full stop each.
     """
 
     file: ScenarioFile
@@ -62,7 +62,7 @@ def taken(file: ScenarioFile, robot: str | Path | None) -> Taken:
         raise InputError(f"--robot {robot}, scenario {file.name}", list(faults.values()))
     if all(name in values for name in _CENTER):
         return Taken(_drawn(file, made), values, about_tilt(made))
-    some = f"of the robot {file.name} takes {', '.join(values)}, and all else is its own"
+    some = f"{file.name} takes only {', '.join(values)} from the robot's file; all else is its own"
     return Taken(file, values, (some,))
 
 

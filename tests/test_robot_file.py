@@ -12,7 +12,7 @@ import simcompare
 from simcompare.errors import InputError
 from simcompare.exporters.scripts.write import script
 from simcompare.exporters.twins import twin
-from simcompare.hardware.robot import built, robot_file, solids
+from simcompare.hardware.robot import built, possible, robot_file, solids
 from simcompare.hardware.robot.description import Robot
 from simcompare.hardware.robot.solids import Solid
 from simcompare.scenarios import catalogue, robot_values
@@ -182,7 +182,7 @@ def test_a_part_in_the_way_is_told_beside_a_wrong_wire(changed):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"chassis.density_kg_m3": 1.24}, "found 1.24; 1 g/cm³ is 1000 kg/m³"),
+        ({"chassis.density_kg_m3": 8.96}, "found 8.96; 1 g/cm³ is 1000 kg/m³"),
         ({"wheels.radius_m": 0.012}, "lower it, or raise wheels.radius_m"),
         ({"wheels.radius_m": "3,25"}, "found '3,25'; write a point: 3.25"),
         ({"wheels.radius_m": "3.25 cm"}, "write the number alone"),
@@ -259,6 +259,14 @@ def test_a_cure_cures(changed):
 # --- another robot runs -----------------------------------------------------------------------
 
 
+def test_a_chassis_may_be_of_foam():
+    """Where its balance is another matter: boards of it have 12 kg/m³ and more."""
+    made = robot_file.read()
+    chassis = made.chassis.model_copy(update={"density_kg_m3": 12.0})
+    faults = possible.faults(made.model_copy(update={"chassis": chassis}))
+    assert "chassis.density_kg_m3" not in faults
+
+
 def test_a_run_takes_another_robot(changed):
     need("mujoco")
     path = changed({"wheels.radius_m": 0.03})
@@ -330,7 +338,30 @@ def test_a_scenario_of_another_machine_says_what_it_takes(changed):
     assert taken.file is file
     assert set(taken.values) < set(built.parameters(robot_file.read()))
     (told,) = taken.left_out
-    assert told.startswith("of the robot odometry takes body_mass_kg, ")
+    assert told.startswith("odometry takes only body_mass_kg, ")
+    assert told.endswith(" from the robot's file; all else is its own")
+
+
+def test_every_verb_says_what_is_left_out_of_a_robot(changed, call):
+    need("mujoco")
+    path = changed({"wheels.radius_m": 0.030})
+    (told,) = robot_values.about_tilt(robot_file.read(path))
+    formula = {"of": "torque_N_m/wheel_radius_m", "u": {"torque": "1%"}}
+    for one in (
+        simcompare.estimate("robot_motor", engine="mujoco", robot=path, draws=1),
+        simcompare.control("robot", lambda time_s, seen: {}, engine="mujoco", robot=path),
+        simcompare.uncertainty("robot", of="acceleration", robot=path),
+        simcompare.uncertainty(
+            "robot", of="torque_N_m/wheel_radius_m", u={"torque": "1%"}, robot=path
+        ),
+    ):
+        assert repr(one).count(f"Caution: {told}.") == 1
+    words = ("--format", "script", "--engine", "mujoco", "--robot", path, "-o", "robot.py")
+    code, _, said = call("export", "robot", *words)
+    assert (code, " ".join(said.split())) == (0, f"left out: {told}")
+    with pytest.warns(UserWarning, match="product of inertia I_xz") as warned:
+        simcompare.gym("robot_avoid", engine="mujoco", robot=path).close()
+    assert [one.filename for one in warned] == [__file__]
 
 
 def test_every_verb_that_runs_a_scenario_takes_a_robot(changed):
@@ -352,5 +383,7 @@ def test_every_verb_that_runs_a_scenario_takes_a_robot(changed):
     ):
         assert "0.03" in text
         assert "0.0325" not in text
-    with simcompare.gym("robot_avoid", engine="mujoco", robot=path) as environment:
+    with pytest.warns(UserWarning, match="I_xz"):
+        environment = simcompare.gym("robot_avoid", engine="mujoco", robot=path)
+    with environment:
         assert environment.reset(seed=1)[1]["parameters"]["wheel_radius_m"] == 0.030

@@ -34,6 +34,7 @@ def sentences(result: Uncertainty) -> list[str]:
     said += _engines(result)
     where = "in all of this range" if way.source == CLOSED_FORM else "here"
     said += [f"The closed form does not hold {where}: {why.rstrip('.')}." for why in result.beyond]
+    said += [f"Caution: {caution}." for caution in result.cautions]
     return said
 
 

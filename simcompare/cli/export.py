@@ -138,13 +138,16 @@ def _script(write: Callable[..., Script], out: Path | None, *, as_json: bool) ->
                 "inputs": str(files[1]) if len(files) > 1 else None,
                 "bodies": list(made.bodies),
                 "joints": list(made.joints),
-                "left_out": [],
+                "left_out": list(made.left_out),
             }
         )
-    elif not files:
+        return
+    if not files:
         console.print_wanted(made.text.encode("utf-8"), nl=False)
-    for file in () if as_json else files:
+    for file in files:
         typer.echo(str(file))
+    for sentence in made.left_out:
+        typer.echo(f"left out: {sentence}", err=True)
 
 
 def _write_inputs(path: Path, inputs: Mapping[str, Array]) -> Path:

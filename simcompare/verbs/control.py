@@ -83,7 +83,7 @@ def control(
     finally:
         simulation.close()
     recorded = {**vars(found), "contact": contact}
-    return Controlled(**recorded, title=scene.title, probes=scene.probes)
+    return Controlled(**recorded, title=scene.title, probes=scene.probes, cautions=taken.left_out)
 
 
 def _steps_between(every: str | float, step_s: float) -> int:

@@ -32,10 +32,12 @@ class Controlled(Shown, Trajectory):
     Attributes:
         title: of the scenario.
         probes: what the scenario observes, by name, the leading one first.
+        cautions: what of a robot is left out, each without a full stop.
     """
 
     title: str = ""
     probes: Mapping[str, Probe] = field(default_factory=dict)
+    cautions: tuple[str, ...] = ()
 
     def samples(self) -> pd.DataFrame:
         """Time, probes and every signal, one row a sample."""
@@ -77,7 +79,10 @@ class Controlled(Shown, Trajectory):
         heads = [Column(head, text=head == _HEADS[0]) for head in _HEADS]
         return Glance(
             title=f"{self.title}, controlled in {self.source} ({self.contact})",
-            sentences=(f"{len(self.time_s)} samples to {self.time_s[-1]:g} s.",),
+            sentences=(
+                f"{len(self.time_s)} samples to {self.time_s[-1]:g} s.",
+                *(f"Caution: {caution}." for caution in self.cautions),
+            ),
             table=Table("", (Column("probe", text=True), *heads), (Group("", rows),)),
             figure=self._figure(None),
             more="More: .table(), .plot(name), .samples()",

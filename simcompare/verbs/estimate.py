@@ -151,7 +151,8 @@ def estimate(
         request, asked.estimator, asked.plan, sources, title=scene.title, scenario=scene.name,
         draws=draws, seed=seed, sensors=asked.plan.sensors, engines_asked=request.engine,
     )  # fmt: skip
-    return _stored(found, out)
+    cautions = (f"Caution: {caution}." for caution in taken.left_out)
+    return _stored(replace(found, sentences=(*found.sentences, *cautions)), out)
 
 
 def _asked(

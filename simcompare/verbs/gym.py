@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -49,7 +50,7 @@ def gym(
         step: the engine's step, "2ms" or in seconds; the scenario's own by default.
         set: parameters that are the same in all episodes; text may carry a unit.
         robot: file of a robot (``simcompare robot --template``), applied before ``set``; also the
-            same in all episodes.
+            same in all episodes. What the scenario does not take of it is a warning.
 
     Returns:
         The environment, a ``gymnasium.Env``.
@@ -63,6 +64,8 @@ def gym(
     if contact not in CONTACT_LEVELS:
         raise UnknownName("contact level", contact, CONTACT_LEVELS)
     taken = robot_values.taken(catalogue.load(scenario), robot)
+    for caution in taken.left_out:
+        warnings.warn(caution, stacklevel=3)  # whoever calls this, past the check of arguments
     given = {**taken.values, **taken.file.read_settings(set or {})}
     step_s = None if step is None else units.to_si(step, "s", "step")
     return Environment(Asked(scenario, engine, contact, sensors, control_Hz, given, step_s))

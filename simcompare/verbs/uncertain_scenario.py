@@ -44,7 +44,8 @@ def of_scenario(
     known = inputs.of_scenario(file, nominal.parameters, stated, reasons)
     asked = replace(asked, known=known, correlation=inputs.named(asked.correlation, known))
     if request.of is not None and not request.of.strip().isidentifier():
-        return _of_parameters(request, asked, nominal.parameters)
+        found = _of_parameters(request, asked, nominal.parameters)
+        return replace(found, cautions=taken.left_out)
     form = ClosedForm(file, nominal, results.chosen(nominal, request.of))
     steps = {one.name: steps_of(one, file.parameters[one.name]) for one in known}
     drawn = {} if request.trials is None else engine_runs.draws(asked, request.trials)
@@ -55,11 +56,12 @@ def of_scenario(
     if not ways:
         why = "; ".join(nominal.beyond).rstrip(".") or f"{file.name} has none"
         raise InputError("--engine", [f"no closed form: {why}; name an engine, such as all"])
-    return record_of(
+    found = record_of(
         request, asked, known, subject=file.name, of=form.of, ways=tuple(ways),
         unit=measures.results_of(nominal)[form.of],
         beyond=nominal.beyond or closed_form.beyond_near(form, asked),
     )  # fmt: skip
+    return replace(found, cautions=taken.left_out)
 
 
 def _repeats(request: UncertaintyRequest, taken: Taken) -> list[Scenario]:

@@ -40,6 +40,7 @@ class Script:
         inputs: arrays of the file ``<name>_inputs.npz`` beside it; none where it needs no file.
         bodies: bodies that move.
         joints: joints in it.
+        left_out: what of a robot it does not hold, one sentence each.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Script:
     inputs: Mapping[str, Array] = field(default_factory=dict)
     bodies: Sequence[str] = ()
     joints: Sequence[str] = ()
+    left_out: Sequence[str] = ()
 
 
 def script(
@@ -110,7 +112,9 @@ def script(
     parts = writer.parts(chosen, plan)
     named = name or f"{nominal.name}_{engine.replace(engines.VARIANT, '_')}"
     text, stored = assembled(named, chosen, plan, parts, expected, inputs)
-    return Script(named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints))
+    return Script(
+        named, text, stored, tuple(nominal.moving_bodies()), tuple(nominal.joints), taken.left_out
+    )
 
 
 def _settings(

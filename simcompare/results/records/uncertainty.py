@@ -48,6 +48,7 @@ class Uncertainty(Answered):
         correlation: pairs of inputs with their coefficients.
         ways: to the result, mathematics first.
         beyond: why the closed form does not hold, or not for all that the inputs may be.
+        cautions: what of a robot is left out, each without a full stop.
         command: that makes it again.
     """
 
@@ -58,6 +59,7 @@ class Uncertainty(Answered):
     correlation: tuple[tuple[str, str, float], ...] = ()
     ways: tuple[Way, ...]
     beyond: tuple[str, ...] = ()
+    cautions: tuple[str, ...] = ()
     command: str
 
     @property
