@@ -200,6 +200,7 @@ def test_a_part_in_the_way_is_told_beside_a_wrong_wire(changed):
         ({"parts.driver.wires": {"AIN1": ["board.IO34", "out"]}}, "kind 'input'; for 'out' take"),
         ({"parts.driver.wires": {"AIN1": ["board.IO99", "out"]}}, "board.IO99 does not exist"),
         ({"parts.driver.wires": {"AIN1": ["bord.IO25", "out"]}}, "which is no part"),
+        ({"parts.imu.wires": {"VCC": ["imu.VCC", "power"]}}, "imu.VCC leads to itself"),
         ({"parts.driver.wires": {"STBY": ["board.IO34", "in"]}}, "taken by left_encoder.DO"),
         ({"parts.driver.price": 3}, "needs price_source and currency"),
         ({"parts.imu.mass": 3}, "is not known here; known, the nearest first: mass_kg"),

@@ -73,6 +73,8 @@ def wiring_faults(robot: Robot) -> dict[str, str]:
         if lead.to_part not in robot.all_parts:
             faults[place] = f"leads to {lead.to_part}, which is no part; {_known(robot.all_parts)}"
             continue
+        if (lead.to_part, lead.to_pin) == (lead.part, lead.pin):
+            faults[place] = f"{target} leads to itself; name the pin at its other end"
         if board is None or lead.to_part != board[0]:
             continue
         role = board[1].pins.get(lead.to_pin)
