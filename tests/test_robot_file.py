@@ -347,7 +347,6 @@ def test_every_verb_says_what_is_left_out_of_a_robot(changed, call):
     need("mujoco")
     path = changed({"wheels.radius_m": 0.030})
     (told,) = robot_values.about_tilt(robot_file.read(path))
-    formula = {"of": "torque_N_m/wheel_radius_m", "u": {"torque": "1%"}}
     for one in (
         simcompare.estimate("robot_motor", engine="mujoco", robot=path, draws=1),
         simcompare.control("robot", lambda time_s, seen: {}, engine="mujoco", robot=path),
