@@ -68,7 +68,7 @@ def _off_words(sensor: SensorRecord, one: SourceDeviation) -> str:
 
 
 def _zones_words(sensor: SensorRecord, one: SourceDeviation) -> str:
-    """Mean deviation and scatter of what can be trusted, and how much cannot."""
+    """How far what can be trusted is off, and how much cannot."""
     whole = sum(one.statuses.values())
     nothing, doubtful = counts_of(one)
     told = {"see nothing": nothing, "are not to be trusted": doubtful}
@@ -77,8 +77,10 @@ def _zones_words(sensor: SensorRecord, one: SourceDeviation) -> str:
     if not one.axes:
         return f"no reading can be trusted{rest}"
     axis, unit = one.axes[0], unit_words(sensor.unit)
-    off = f"off by {signed(axis.mean)}{unit} in the mean"
-    return f"{off}, scatter {numbers.plain(axis.scatter, 2)}{unit}{rest}"
+    assert axis.median is not None
+    assert axis.half_68 is not None
+    off = f"off by {signed(axis.median)}{unit} in the median"
+    return f"{off}, 68 % within ±{numbers.plain(axis.half_68, 2)}{unit} of that{rest}"
 
 
 def counts_of(one: SourceDeviation) -> tuple[int, int]:

@@ -26,8 +26,8 @@ _NUMBERS = (
 )  # fmt: skip
 _DEVIATIONS = (
     Column("Source", text=True, nowrap=True), Column("Level", text=True), Column("Frames"),
-    Column("Mean off (m)"), Column("Scatter (m)"), Column("rms off (m)"), Column("See nothing"),
-    Column("Not trusted"),
+    Column("Median off (m)"), Column("68 % within ± (m)"), Column("rms off (m)"),
+    Column("See nothing"), Column("Not trusted"),
 )  # fmt: skip
 
 
@@ -56,8 +56,9 @@ def frame_figure(signal: str, reading: ZoneReading, whose: str) -> Figure:
     caption = (
         f"{notation.capital(whose)} at {reading.time_s[shown]:.3g} s. Each cell is a zone, as the"
         " sensor sees it, with its distance in m along the axis; near ones are dark. A zone with a"
-        " mark has no distance that can be trusted; of all frames this one has most of them."
+        " mark has no distance that can be trusted"
     )
+    caption += "; of all frames this one has most of them." if marks else "; here are none."
     name = f"sensor-{signal.replace('.', '-')}"
     return Figure(name, f"What {signal} reads", caption, panels, height=1.2)
 
@@ -108,7 +109,9 @@ def deviation_table(sensor: SensorRecord) -> Table:
     """How far what every source shows is off, and how much of it is not there."""
     note = (
         "Measured minus ideal, where it can be trusted (status 5, 6 and 9), over all frames of the"
-        " nominal repeat; a frame is half a period old when it is told. See nothing: status 255."
+        " nominal repeat; a frame is half a period old when it is told. A zone with an edge in it"
+        " reads the mean of two things, where the ideal ray sees one of them; such zones are far off,"
+        " and make most of the rms. See nothing: status 255."
     )
     rows = tuple(map(_row, sensor.deviations))
     return Table(f"How far {sensor.signal} is off", _DEVIATIONS, (Group("", rows),), note)
@@ -121,5 +124,7 @@ def _row(one: SourceDeviation) -> tuple[str, ...]:
     if not one.axes:
         return (one.source, level, str(one.samples), "–", "–", "–", *shares)
     axis = one.axes[0]
-    sizes = (numbers.plain(size, 3) for size in (axis.scatter, axis.rms))
-    return (one.source, level, str(one.samples), words.signed(axis.mean), *sizes, *shares)
+    assert axis.median is not None
+    assert axis.half_68 is not None
+    sizes = (numbers.plain(size, 3) for size in (axis.half_68, axis.rms))
+    return (one.source, level, str(one.samples), words.signed(axis.median), *sizes, *shares)

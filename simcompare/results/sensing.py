@@ -112,7 +112,9 @@ def _deviation_of_zones(one: StoredReading, reading: ZoneReading) -> SourceDevia
     codes, counts = np.unique(frames.status, return_counts=True)
     axes: tuple[AxisDeviation, ...] = ()
     if len(off):
-        axes = (AxisDeviation("", float(off.mean()), float(off.std()), _rms(off), 0),)
+        low, median, high = np.quantile(off, (0.16, 0.5, 0.84)).tolist()
+        whole = float(off.mean()), float(off.std()), _rms(off)
+        axes = (AxisDeviation("", *whole, 0, median, (high - low) / 2),)
     return SourceDeviation(
         one.source, one.contact, len(reading.time_s), axes,
         statuses={str(c): n for c, n in zip(codes.tolist(), counts.tolist(), strict=True)},

@@ -19,6 +19,9 @@ class AxisDeviation:
         scatter: standard deviation about that mean.
         rms: of measured minus ideal.
         saturated: samples that were cut off.
+        median: of measured minus ideal; of many zones alone, where a zone with an edge in it reads
+            the mean of two things and the ideal ray sees one of them.
+        half_68: half of the width that holds the middle 68 % of them; of many zones alone.
     """
 
     axis: str
@@ -26,6 +29,8 @@ class AxisDeviation:
     scatter: float
     rms: float
     saturated: int
+    median: float | None = None
+    half_68: float | None = None
 
 
 @dataclass(frozen=True)
