@@ -110,8 +110,8 @@ def deviation_table(sensor: SensorRecord) -> Table:
     note = (
         "Measured minus ideal, where it can be trusted (status 5, 6 and 9), over all frames of the"
         " nominal repeat; a frame is half a period old when it is told. A zone with an edge in it"
-        " reads the mean of two things, where the ideal ray sees one of them; such zones are far off,"
-        " and make most of the rms. See nothing: status 255."
+        " reads the mean of two things, where the ideal ray sees one of them; such zones are far"
+        " off, and make most of the rms. See nothing: status 255."
     )
     rows = tuple(map(_row, sensor.deviations))
     return Table(f"How far {sensor.signal} is off", _DEVIATIONS, (Group("", rows),), note)
