@@ -15,6 +15,7 @@ from simcompare.engine.features import Feature, needs
 from simcompare.errors import Unsupported
 from simcompare.model.settings import CONTACT_LEVELS, Settings
 from simcompare.scenarios import catalogue
+from tests.present import need
 
 ENGINES = engines.names()
 SCENARIOS = catalogue.names()
@@ -43,6 +44,16 @@ def test_backend_conforms(name, engine, contact):
         return
     if not refusal(engine, name, contact):
         conformance.check(backend, scenario, Settings(contact))
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_inputs_are_followed_to_their_end(name):
+    """On one engine: what is cut short above never sees the later part of long inputs."""
+    whole = catalogue.load(name).resolve()
+    if not whole.inputs or whole.world.duration_s <= scenario_of(name).world.duration_s:
+        return
+    need("mujoco")
+    conformance.check(engines.get("mujoco"), whole, Settings("tuned"))
 
 
 @functools.cache
