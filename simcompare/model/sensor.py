@@ -12,7 +12,7 @@ from simcompare.model.shapes import Pose
 #: of one signal: a range sensor of 8 times 8 zones
 MOST_COMPONENTS = 64
 #: where to go on from a range sensor that is ideal
-REAL_ZONES = "ask for a real one where it is read, as in run NAME --sensor eye=vl53l5cx"
+REAL_ZONES = "ask for a real one where it is read, as in simcompare run NAME --sensor eye=vl53l5cx"
 
 
 class Sensor(Pose):
