@@ -60,8 +60,18 @@ POLICIES = sorted(FOLDER.glob("policies/*.npz"))
 @pytest.mark.parametrize("path", POLICIES, ids=lambda path: path.stem)
 def test_a_policy_that_ships_fits_and_says_how_it_was_learnt(path):
     recipe = policy.load(path, task.OBSERVATIONS, task.ACTIONS).recipe
-    assert {"scenario", "steps", "step_s", "algorithm", "n_epochs"} <= recipe.keys()
+    said = {"scenario", "steps", "step_s", "algorithm", "n_epochs", "imitated", "rounds", "layers"}
+    assert said <= recipe.keys()
     assert path.stem == f"{recipe['engine']}_{recipe['sensors']:g}_seed{recipe['seed']}"
+
+
+def test_five_seeds_of_two_engines_ship_with_ideal_and_with_real_sensors():
+    seeds = {}
+    for path in POLICIES:
+        kind, _, seed = path.stem.rpartition("_seed")
+        seeds.setdefault(kind, []).append(int(seed))
+    assert seeds.keys() == {"mujoco_0", "mujoco_1", "pybullet_0", "pybullet_1"}
+    assert all(sorted(found) == [1, 2, 3, 4, 5] for found in seeds.values())
 
 
 @pytest.mark.engines("mujoco")

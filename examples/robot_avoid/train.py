@@ -3,8 +3,8 @@
     pip install 'simcompare[learn,mujoco]'
     python examples/robot_avoid/train.py --engine mujoco --sensors 0 --seed 1 policy.npz
 
-The same seed learns the same policy on the same kind of machine. With --parallel each of the eight
-environments has a process of its own.
+The same seed learns the same policy, number for number, on the same machine. With --parallel each
+of the eight environments has a process of its own.
 """
 
 import argparse
