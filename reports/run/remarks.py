@@ -15,7 +15,7 @@ from simcompare.reports.run.lead_rows import first_events, groups_of
 from simcompare.reports.run.level_phrases import merged
 from simcompare.reports.run.listing import engines, grouped, joined
 from simcompare.reports.run.tuning_phrases import contacts, typed_in
-from simcompare.results.records.run import SourceRecord
+from simcompare.results.records.run import RunRecord, SourceRecord
 from simcompare.results.run import Run
 
 #: how all of so many judged values are called
@@ -28,7 +28,8 @@ def remarks(run: Run) -> list[str]:
     sentences = [*_means(run, judged), *typed_in(run), contacts(run)]
     sentences += merged(run, ((mode, _missed(run, mode)) for mode in judged))
     sentences += [*_variants(run), *_not_run(run)]
-    sentences += [f"Caution: {caution}." for caution in runs.run_record(run).cautions]
+    if isinstance(run.record, RunRecord):
+        sentences += [f"Caution: {caution}." for caution in run.record.cautions]
     if run.record.interrupted:
         sentences.append("The run was interrupted before it was complete.")
     return list(filter(None, sentences))
