@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from simcompare.model.trajectory import Array, Trajectory
-from simcompare.reports.render.figures import GREYS, Figure, Matrix, Panel
+from simcompare.reports.render.figures import GREYS, Figure, Matrix, Panel, Series
 from simcompare.reports.run import runs
 from simcompare.results.run import Run
 
@@ -30,7 +30,7 @@ def _figure(run: Run, first: Trajectory, signal: str) -> Figure:
     worst = max(_others(run, first, signal), key=lambda one: one[0], default=None)
     last = len(pictures) - 1 if worst is None else worst[2]
     panels = [
-        _panel(f"{first.source}, {first.time_s[i]:g} s", pictures[i], far)
+        panel(f"{first.source}, {first.time_s[i]:g} s", pictures[i], far)
         for i in dict.fromkeys((0, last))
     ]
     caption = (
@@ -39,7 +39,7 @@ def _figure(run: Run, first: Trajectory, signal: str) -> Figure:
     )
     if worst is not None:
         _, whose, i, picture = worst
-        panels.append(_panel(f"{whose}, {first.time_s[i]:g} s", picture, far))
+        panels.append(panel(f"{whose}, {first.time_s[i]:g} s", picture, far))
         caption += f" On the right, where any source is most off: {whose}."
     right = panels[-1]
     assert right.matrix is not None
@@ -63,9 +63,20 @@ def _others(run: Run, first: Trajectory, signal: str) -> Iterator[tuple[float, s
                 yield float(off[i]), f"{name}, {mode}", i, one.signals[signal][i]
 
 
-def _panel(title: str, picture: Array, far: float) -> Panel:
+def panel(
+    title: str, picture: Array, far: float, marks: tuple[Series, ...] = (), bar: str = ""
+) -> Panel:
+    """The zones of one instant (z,) [m] as cells, dark where near, white from ``far`` on.
+
+    Args:
+        title: of the panel.
+        picture: distances along the axis; NaN leaves a cell empty.
+        far: the largest distance of all panels beside each other [m].
+        marks: drawn into cells.
+        bar: what the scale of greys is called; empty for none.
+    """
     side = math.isqrt(len(picture))
     ticks = tuple(str(i + 1) for i in range(side))
-    cells = Matrix(picture.reshape(side, side), 2, (0.0, far), GREYS)
-    return Panel(title, "column, from the left", "row, from the top", (), x_ticks=ticks,
+    cells = Matrix(picture.reshape(side, side), 2, (0.0, far), GREYS, empty="", bar=bar)
+    return Panel(title, "column, from the left", "row, from the top", marks, x_ticks=ticks,
                  y_ticks=ticks, matrix=cells)  # fmt: skip

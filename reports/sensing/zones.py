@@ -11,10 +11,11 @@ from simcompare.hardware.sensors.drawn_zones import ZoneReading
 from simcompare.hardware.sensors.multizone import NOTHING
 from simcompare.model.trajectory import Array
 from simcompare.reports.render import numbers
-from simcompare.reports.render.figures import GREYS, Figure, Matrix, Panel, Series
+from simcompare.reports.render.figures import Figure, Series
 from simcompare.reports.render.styles import Style
 from simcompare.reports.render.tables import Column, Group, Table
 from simcompare.reports.run import runs
+from simcompare.reports.run.range_pictures import panel
 from simcompare.reports.sensing import words
 from simcompare.results.records.sensing import SensorRecord, SourceDeviation
 
@@ -50,8 +51,8 @@ def frame_figure(signal: str, reading: ZoneReading, whose: str) -> Figure:
         *_marks("found, but not to be trusted", ~nothing & ~valid, _DOUBTFUL),
     )
     panels = (
-        _panel("ideal", ideal, far, ()),
-        _panel("read", told, far, marks, bar="distance (m)"),
+        panel("ideal", ideal, far, ()),
+        panel("read", told, far, marks, bar="distance (m)"),
     )
     caption = (
         f"{notation.capital(whose)} at {reading.time_s[shown]:.3g} s. Each cell is a zone, as the"
@@ -61,16 +62,6 @@ def frame_figure(signal: str, reading: ZoneReading, whose: str) -> Figure:
     caption += "; of all frames this one has most of them." if marks else "; here are none."
     name = f"sensor-{signal.replace('.', '-')}"
     return Figure(name, f"What {signal} reads", caption, panels, height=1.2)
-
-
-def _panel(
-    title: str, picture: Array, far: float, marks: tuple[Series, ...], bar: str = ""
-) -> Panel:
-    side = math.isqrt(len(picture))
-    ticks = tuple(str(i + 1) for i in range(side))
-    cells = Matrix(picture.reshape(side, side), 2, (0.0, far), GREYS, empty="", bar=bar)
-    return Panel(title, "column, from the left", "row, from the top", marks, x_ticks=ticks,
-                 y_ticks=ticks, matrix=cells)  # fmt: skip
 
 
 def _marks(label: str, where: Array, style: Style) -> tuple[Series, ...]:
